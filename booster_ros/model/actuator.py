@@ -1,0 +1,202 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Actuator: diaphragm chamber and spring-opposed stem."""
+
+import math
+from typing import Annotated, NamedTuple
+
+from .gas import ATMOSPHERE, GAS_CONSTANT, HEAT_RATIO, ISO_6358, orifice_flow
+from .quantity import Quantity
+
+
+class Actuator(NamedTuple):
+    """Chamber, diaphragm, spring, stem and stops."""
+
+    effective_area: Annotated[float, Quantity(
+        'm^2', 'diaphragm area at closed stem, A', 1e-6, 10.0,
+        'fitted to paper Table III with dead_volume; only ratios are identifiable')] = 0.0796
+    dead_volume: Annotated[float, Quantity(
+        'm^3', 'chamber volume at closed stem, V0', 1e-9, 10.0,
+        'fitted to paper Table III')] = 0.185e-3
+    polytropic_index: Annotated[float, Quantity(
+        '-', 'n: 1 isothermal, 1.4 adiabatic', 1.0, 1.4, 'MODEL: isothermal')] = 1.0
+    moving_mass: Annotated[float, Quantity(
+        'kg', 'stem, plug and diaphragm plate', 1e-3, 1e4, 'MODEL: assumed')] = 4.0
+    bench_set: Annotated[tuple[float, float], Quantity(
+        'Pa', 'gauge pressures at which the stem leaves 0 and reaches the travel',
+        -1e6, 1e7, 'paper Table II')] = (150e3, 300e3)
+    travel: Annotated[float, Quantity('m', 'stroke L', 1e-5, 2.0, 'paper Table II')] = 0.016
+    viscous_friction: Annotated[float, Quantity(
+        'N s/m', 'force per stem velocity, c', 0.0, 1e9, 'MODEL: assumed')] = 3000.0
+    stop_stiffness: Annotated[float, Quantity(
+        'N/m', 'stiffness of the end stops', 1e5, 1e12, 'assumed: yields micrometres')] = 5e8
+    stop_damping: Annotated[float, Quantity(
+        'N s/m', 'damping of the end stops', 0.0, 1e9, 'assumed: no rebound')] = 1e5
+    leak_area: Annotated[float, Quantity(
+        'm^2', 'chamber_leak: effective area, chamber to atmosphere', 0.0, 1e-3)] = 0.0
+    thermal_resistance: Annotated[float, Quantity(
+        'K/W', 'heat_transfer: air to wall, 0 = isothermal (polytropic_index rules)',
+        0.0, 1e4)] = 0.0
+    added_volume: Annotated[float, Quantity(
+        'm^3', 'dead_volume_change: volume added to the declared dead volume', -10.0, 10.0)] = 0.0
+    area_change: Annotated[float, Quantity(
+        '-', 'effective_area_change: relative loss of area over the travel', -0.9, 0.9)] = 0.0
+    coulomb_friction: Annotated[float, Quantity(
+        'N', 'stem_friction: sliding friction', 0.0, 1e6)] = 0.0
+    stiction: Annotated[float, Quantity(
+        'N', 'stem_friction: break-away force beyond sliding friction', 0.0, 1e6)] = 0.0
+    stribeck_velocity: Annotated[float, Quantity(
+        'm/s', 'stem_friction: velocity at which stiction has faded to 37 %', 1e-6, 1.0,
+        'EFFECTS ST2: 0.1 to 5 mm/s')] = 1e-3
+    friction_gradient: Annotated[float, Quantity(
+        'N', 'position_dependent_friction: sliding friction added from closed to full travel',
+        -1e6, 1e6)] = 0.0
+    bench_set_shift: Annotated[float, Quantity(
+        'Pa', 'bench_set_shift: moves both ends of the bench set', -1e6, 1e6)] = 0.0
+    spring_bend: Annotated[float, Quantity(
+        'N', 'spring_nonlinearity: extra spring force at mid travel, none at both ends',
+        -1e6, 1e6)] = 0.0
+    spring_s_curve: Annotated[float, Quantity(
+        'N', 'spring_nonlinearity: odd part, at a quarter of the travel', -1e6, 1e6)] = 0.0
+    seat_load: Annotated[float, Quantity(
+        'N', 'seat_load: force of the soft seat on the closed stem (opening)', -1e6, 1e6)] = 0.0
+    seat_depth: Annotated[float, Quantity(
+        'm', 'seat_load: travel over which the seat lets go', 1e-6, 0.1)] = 1e-3
+    flow_force: Annotated[float, Quantity(
+        'N', 'flow_force: closing force of the process on the plug at closed stem',
+        -1e6, 1e6)] = 0.0
+    flow_force_decay: Annotated[float, Quantity(
+        '-', 'flow_force: travel fraction over which it falls to 37 %', 0.01, 10.0)] = 0.3
+
+
+def diaphragm_area(act: Actuator, position: float) -> float:
+    """Return A(x), m²."""
+    return act.effective_area * (1.0 - act.area_change * position / act.travel)
+
+
+def chamber_volume(act: Actuator, position: float) -> float:
+    """Return V(x) = V0 + integral of A, m³."""
+    swept = act.effective_area * position * (1.0 - 0.5 * act.area_change * position / act.travel)
+    return max(act.dead_volume + act.added_volume + swept, 0.05 * act.dead_volume)
+
+
+def leak_flow(act: Actuator, pressure: float, temperature: float, ambient: float,
+              discrepancy: float) -> float:
+    """Return the mass flow chamber → atmosphere past the booster, kg/s (pressure gauge, Pa)."""
+    return discrepancy + orifice_flow(
+        act.leak_area, pressure + ATMOSPHERE, ATMOSPHERE, temperature, ambient, 0.5283, ISO_6358)
+
+
+def isothermal_pressure_rate(
+    act: Actuator, pressure: float, position: float, velocity: float, inflow: float,
+    temperature: float,
+) -> float:
+    """
+    Return dp/dt = n (R T q - P A v) / V, Pa/s.
+
+    `pressure` gauge Pa, `inflow` the net mass flow in kg/s. n = 1 is isothermal, else polytropic.
+    """
+    work = (pressure + ATMOSPHERE) * diaphragm_area(act, position) * velocity
+    return act.polytropic_index * (GAS_CONSTANT * temperature * inflow - work) / chamber_volume(
+        act, position)
+
+
+def energy_rates(
+    act: Actuator, pressure: float, gas_temperature: float, position: float, velocity: float,
+    enthalpy_flow: float, inflow: float, wall_temperature: float,
+) -> tuple[float, float]:
+    """
+    Return (dp/dt in Pa/s, dT/dt in K/s) of the energy balance with heat through the wall.
+
+    `enthalpy_flow` is the sum of q T of all streams, kg K/s; `inflow` the sum of q, kg/s.
+    """
+    absolute = pressure + ATMOSPHERE
+    volume = chamber_volume(act, position)
+    volume_rate = diaphragm_area(act, position) * velocity
+    heat = (wall_temperature - gas_temperature) / act.thermal_resistance
+    rate = (
+        HEAT_RATIO * (GAS_CONSTANT * enthalpy_flow - absolute * volume_rate)
+        + (HEAT_RATIO - 1.0) * heat
+    ) / volume
+    mass = absolute * volume / (GAS_CONSTANT * gas_temperature)
+    return rate, gas_temperature * (rate / absolute + volume_rate / volume - inflow / mass)
+
+
+def spring_force(act: Actuator, position: float) -> float:
+    """Return the force that closes the stem, N: preload, spring, seat and process."""
+    low = act.bench_set[0] + act.bench_set_shift
+    span = act.bench_set[1] - act.bench_set[0]
+    xi = position / act.travel
+    force = act.effective_area * (low + span * xi)
+    if act.spring_bend != 0.0 or act.spring_s_curve != 0.0:
+        inside = min(max(xi, 0.0), 1.0)
+        bow = inside * (1.0 - inside)
+        force += 4.0 * act.spring_bend * bow
+        force += 32.0 / 3.0 * act.spring_s_curve * bow * (1.0 - 2.0 * inside)
+    if act.seat_load != 0.0:
+        force -= act.seat_load * min(max(1.0 - position / act.seat_depth, 0.0), 1.0)
+    if act.flow_force != 0.0:
+        force += act.flow_force * math.exp(-max(xi, 0.0) / act.flow_force_decay)
+    return force
+
+
+def stop_force(act: Actuator, position: float, velocity: float) -> float:
+    """Return the force of the end stops on the stem, N, positive towards open; never pulls."""
+    if position < 0.0:
+        return max(-act.stop_stiffness * position - act.stop_damping * velocity, 0.0)
+    if position > act.travel:
+        return min(
+            -act.stop_stiffness * (position - act.travel) - act.stop_damping * velocity, 0.0)
+    return 0.0
+
+
+def stem_force(act: Actuator, pressure: float, position: float, velocity: float,
+               discrepancy: float) -> float:
+    """Return the force on the stem except dry friction, N, positive towards open."""
+    return (
+        diaphragm_area(act, position) * pressure
+        - spring_force(act, position)
+        - act.viscous_friction * velocity
+        + stop_force(act, position, velocity)
+        + discrepancy
+    )
+
+
+def has_dry_friction(act: Actuator) -> bool:
+    """Tell whether the stem can stick."""
+    return act.coulomb_friction > 0.0 or act.stiction > 0.0 or act.friction_gradient != 0.0
+
+
+def sliding_friction(act: Actuator, position: float, velocity: float) -> float:
+    """Return the magnitude of dry friction while sliding, N (Coulomb and Stribeck)."""
+    level = max(act.coulomb_friction + act.friction_gradient * position / act.travel, 0.0)
+    if act.stiction == 0.0:
+        return level
+    v = velocity / act.stribeck_velocity
+    return level + act.stiction * math.exp(-v * v)
+
+
+def breakaway_friction(act: Actuator, position: float) -> float:
+    """Return the force that a stem at rest withstands, N."""
+    return sliding_friction(act, position, 0.0)
+
+
+def stem_acceleration(act: Actuator, force: float, friction: float) -> float:
+    """Return d²x/dt², m/s²; `friction` is signed, positive towards open."""
+    return (force + friction) / act.moving_mass
+
+
+def balance_position(act: Actuator, pressure: float) -> float:
+    """
+    Return the position, m, at which spring, stops and pressure (gauge, Pa) balance.
+
+    Bisection: the balance has no closed form once the spring is bent or the area changes.
+    """
+    low, high = -0.1 * act.travel, 1.1 * act.travel
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if stem_force(act, pressure, middle, 0.0, 0.0) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)

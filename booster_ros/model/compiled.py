@@ -1,0 +1,94 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Machine code from the very functions that plain Python runs.
+
+The modules of the model are read in the order in which they build on each other; every function
+is compiled by numba with the compiled versions of what it calls in place of the Python ones.
+There is no second copy of an equation. Without numba, `compiled_run` returns None.
+"""
+
+import functools
+import hashlib
+import importlib
+import importlib.util
+import os
+from pathlib import Path
+import tempfile
+import types
+from typing import Any, Callable
+
+_MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
+            'discrepancy', 'system', 'solver', 'kernel')
+_PLAIN = {'new_workspace', 'balance_position'}
+
+
+def available() -> bool:
+    """Tell whether the model can be compiled here."""
+    return importlib.util.find_spec('numba') is not None
+
+
+def cache_folder() -> Path | None:
+    """
+    Return the folder for machine code of exactly these sources, or None where none is writable.
+
+    The name holds a digest of the sources, because numba's own check looks at one file only and
+    would keep a function whose callee in another file has changed.
+    """
+    here = Path(__file__).parent
+    digest = hashlib.sha256()
+    for name in _MODULES:
+        digest.update((here / f'{name}.py').read_bytes())
+    home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')
+    folder = Path(home) / 'booster_ros' / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        return None
+    return folder
+
+
+@functools.cache
+def compiled_run() -> Callable[..., None] | None:
+    """Return `kernel.run` as machine code (compiled at its first call), or None without numba."""
+    if not available():
+        return None
+    import numba
+
+    folder = cache_folder()
+    previous = numba.config.CACHE_DIR
+    if folder is not None:
+        numba.config.CACHE_DIR = str(folder)
+    try:
+        return _compile_all(numba.njit, cache=folder is not None)['kernel']['run']
+    finally:
+        numba.config.CACHE_DIR = previous
+
+
+def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, Any]]:
+    """Return the names of each module, functions replaced by their compiled versions."""
+    replaced: dict[Any, Any] = {}
+    namespaces: dict[str, dict[str, Any]] = {}
+    for name in _MODULES:
+        module = importlib.import_module(f'{__package__}.{name}')
+        names = {key: replaced.get(_identity(value), value) for key, value in
+                 vars(module).items()}
+        own = {key: value for key, value in vars(module).items()
+               if isinstance(value, types.FunctionType) and value.__module__ == module.__name__
+               and key not in _PLAIN}
+        # in the order of the file: a function sees the compiled versions of all it calls only
+        # when numba compiles it, at the first call, so the namespace is filled in first
+        for key, value in own.items():
+            twin = types.FunctionType(value.__code__, names, key, value.__defaults__)
+            twin.__module__ = module.__name__
+            twin.__qualname__ = value.__qualname__
+            names[key] = njit(nogil=True, cache=cache, error_model='numpy')(twin)
+            replaced[_identity(value)] = names[key]
+        namespaces[name] = names
+    return namespaces
+
+
+def _identity(value: Any) -> Any:
+    return id(value) if isinstance(value, types.FunctionType) else None

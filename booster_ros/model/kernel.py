@@ -1,0 +1,64 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The loop over intervals of standing inputs, for one interval and for a whole record."""
+
+from .solver import Workspace, advance
+from .system import (
+    CHAMBER, POSITION, STATES, PositionerParameters, hold_inactive_states, measure, observe,
+    seen_current)
+
+OBSERVED = 15
+"""Columns that `run` writes: the fields of `Outputs`."""
+
+
+def interval(
+    p: PositionerParameters, time: float, length: float, current: float, y, memory,
+    active, count: int, tolerance: float, w: Workspace,
+) -> float:
+    """
+    Take the positioner over `length` s with the current standing at `current` A.
+
+    Return the current that the E/P converter acted on, A. `y` and `memory` change in place.
+    """
+    seen = seen_current(p, memory, current)
+    hold_inactive_states(p, time + 0.5 * length, y)
+    before = (y[CHAMBER], y[POSITION])
+    advance(p, time, seen, length, y, memory, active, count, tolerance, w)
+    hold_inactive_states(p, time + length, y)
+    measure(p, memory, before, y, length)
+    return seen
+
+
+def run(
+    p: PositionerParameters, times, currents, delayed, pinned, pins, y, memory, active,
+    count: int, tolerance: float, longest: float, w: Workspace, out,
+) -> None:
+    """
+    Simulate a record: row k of `out` is what is seen at times[k].
+
+    `currents[k]` (commanded) and `delayed[k]` (after the dead time) stand from times[k] to
+    times[k + 1]. The states in `pinned` follow their column of `pins` instead of the equations.
+    Intervals longer than `longest` s are divided.
+    """
+    seen = delayed[0]
+    for k in range(len(times)):
+        for s in pinned:
+            y[s] = pins[k, s]
+        hold_inactive_states(p, times[k], y)
+        row = observe(p, times[k], currents[k], seen, y, memory)
+        for j in range(OBSERVED):
+            out[k, j] = row[j]
+        if k + 1 == len(times):
+            break
+        length = times[k + 1] - times[k]
+        parts = max(1, int(length / longest + 0.999))
+        for part in range(parts):
+            for s in pinned:
+                share = (part + 0.5) / parts
+                y[s] = pins[k, s] * (1.0 - share) + pins[k + 1, s] * share
+            start = times[k] + part * length / parts
+            seen = interval(
+                p, start, length / parts, delayed[k], y, memory, active, count, tolerance, w)
+
+
+__all__ = ['OBSERVED', 'STATES', 'interval', 'run']

@@ -1,0 +1,162 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""From dotted names and values to checked parameters, and back."""
+
+import dataclasses
+import difflib
+import math
+from typing import Any, Iterable, Mapping, NamedTuple, Union, get_type_hints
+
+from . import discrepancy
+from .quantity import Quantity
+from .system import PositionerParameters
+
+Value = Union[float, str, tuple[float, ...]]
+
+_CHOICES = {
+    'booster.orifice_law': ('iso_6358', 'isentropic'),
+    'discrepancy.location': discrepancy.LOCATIONS,
+    'discrepancy.variable': discrepancy.VARIABLES,
+}
+
+
+class ParameterError(ValueError):
+    """A parameter that cannot be used; the message is one sentence that names it."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Description:
+    """A parameter as a user sees it; `choices` are the words allowed where the value is a word."""
+
+    name: str
+    default: Value
+    unit: str
+    meaning: str
+    low: float
+    high: float
+    source: str
+    choices: tuple[str, ...] = ()
+
+
+def _describe() -> dict[str, Description]:
+    found = {}
+    for component, default in PositionerParameters()._asdict().items():
+        hints = get_type_hints(type(default), include_extras=True)
+        for field, hint in hints.items():
+            name = f'{component}.{field}'
+            quantity: Quantity = hint.__metadata__[0]
+            choices = _CHOICES.get(name, ())
+            value = getattr(default, field)
+            found[name] = Description(
+                name, choices[value] if choices else value, quantity.unit, quantity.meaning,
+                quantity.low, quantity.high, quantity.source, choices)
+    return found
+
+
+DESCRIPTIONS: dict[str, Description] = _describe()
+"""Every physical parameter by its dotted name, the effects' too."""
+
+
+def unknown_name(name: str, known: Iterable[str]) -> str:
+    """Return the sentence about a parameter name that does not exist, with the nearest one."""
+    near = difflib.get_close_matches(name, list(known), 1, 0.6)
+    hint = f'; did you mean {near[0]}?' if near else ''
+    return f'there is no parameter {name}{hint}'
+
+
+def from_values(values: Mapping[str, Any]) -> PositionerParameters:
+    """
+    Return checked parameters from dotted names and values in SI; what is missing has its default.
+
+    Raise ParameterError for an unknown name, a value of the wrong kind or out of its range, and
+    for a set that contradicts itself. Integers are taken where a float is meant.
+    """
+    for name in values:
+        if name not in DESCRIPTIONS:
+            raise ParameterError(unknown_name(name, DESCRIPTIONS))
+    components: dict[str, Any] = {}
+    for component, default in PositionerParameters()._asdict().items():
+        given = {
+            field: checked_value(DESCRIPTIONS[f'{component}.{field}'],
+                                 values[f'{component}.{field}'])
+            for field in default._fields if f'{component}.{field}' in values
+        }
+        components[component] = default._replace(**given)
+    parameters = PositionerParameters(**components)
+    check_consistent(parameters)
+    return parameters
+
+
+def to_values(parameters: PositionerParameters) -> dict[str, Value]:
+    """Return dotted names and values, the inverse of `from_values`."""
+    values: dict[str, Value] = {}
+    for component, content in parameters._asdict().items():
+        for field, value in content._asdict().items():
+            name = f'{component}.{field}'
+            choices = _CHOICES.get(name)
+            values[name] = choices[value] if choices else value
+    return values
+
+
+def checked_value(description: Description, value: Any) -> Any:
+    """Return a value as the model holds it; ParameterError where kind or range is wrong."""
+    name = description.name
+    if description.choices:
+        if value not in description.choices:
+            raise ParameterError(
+                f'{name} must be one of {", ".join(description.choices)}, got {value!r}')
+        return description.choices.index(value)
+    if isinstance(description.default, tuple):
+        size = len(description.default)
+        if isinstance(value, (str, bytes)) or not hasattr(value, '__len__') or len(value) != size:
+            raise ParameterError(f'{name} must be a list of {size} numbers, got {value!r}')
+        return tuple(_checked_number(description, element) for element in value)
+    return _checked_number(description, value)
+
+
+def _checked_number(description: Description, value: Any) -> float:
+    name, unit = description.name, description.unit
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ParameterError(
+            f'{name} must be a number in {unit}, got {value!r} (write for example '
+            f'{_example(description.default)})')
+    number = float(value)
+    if not math.isfinite(number):
+        raise ParameterError(f'{name} must be finite, got {value!r}')
+    if not description.low <= number <= description.high:
+        raise ParameterError(
+            f'{name} must be between {description.low:g} and {description.high:g} {unit}, '
+            f'got {number:g}')
+    return number
+
+
+def _example(default: Value) -> str:
+    return repr(default[0] if isinstance(default, tuple) else default)
+
+
+class _Rule(NamedTuple):
+    holds: bool
+    sentence: str
+
+
+def check_consistent(p: PositionerParameters) -> None:
+    """Raise ParameterError where parameters, each fine by itself, contradict each other."""
+    b, a, d = p.booster, p.actuator, p.discrepancy
+    ratio = b.critical_pressure_ratio + b.critical_pressure_ratio_shift
+    rules = (
+        _Rule(b.s1 > b.s2, f'booster.s1 ({b.s1:g}) must be greater than booster.s2 ({b.s2:g} m^2)'),
+        _Rule(b.s2 > b.s3, f'booster.s2 ({b.s2:g}) must be greater than booster.s3 ({b.s3:g} m^2)'),
+        _Rule(a.bench_set[1] > a.bench_set[0],
+              f'actuator.bench_set must rise, got [{a.bench_set[0]:g}, {a.bench_set[1]:g}] Pa'),
+        _Rule(0.0 <= ratio < 0.99,
+              'booster.critical_pressure_ratio plus its shift must be between 0 and 0.99, '
+              f'got {ratio:g}'),
+        _Rule(a.dead_volume + a.added_volume > 0.0,
+              'actuator.dead_volume plus actuator.added_volume must be greater than 0 m^3, got '
+              f'{a.dead_volume + a.added_volume:g}'),
+        _Rule(d.high > d.low,
+              f'discrepancy.high ({d.high:g}) must be greater than discrepancy.low ({d.low:g})'),
+    )
+    for rule in rules:
+        if not rule.holds:
+            raise ParameterError(rule.sentence)

@@ -1,0 +1,277 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The wired positioner: which state belongs to which component, and how they act on each other.
+
+The state is a sequence of floats in the order of the indices below. States whose effect is
+switched off stand still and cost nothing: the solver integrates the `active_states` only.
+"""
+
+from typing import NamedTuple
+
+from . import discrepancy as term
+from .actuator import (
+    Actuator, breakaway_friction, energy_rates, has_dry_friction, isothermal_pressure_rate,
+    leak_flow, sliding_friction, stem_acceleration, stem_force)
+from .booster import (
+    Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
+from .discrepancy import Discrepancy, interpolate
+from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
+from .sensors import Sensors, lagged, position_reading, pressure_reading
+from .supply import Supply, set_pressure, supply_pressure_rate
+from .tubing import Tubing, outlet_pressure_rate, tube_flow
+
+BACK, SUPPLY, OUTLET, CHAMBER, TEMPERATURE, POSITION, VELOCITY = range(7)
+STATES = 7
+STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_pressure',
+               'gas_temperature', 'valve_position', 'stem_velocity')
+
+# What is remembered from one interval to the next besides the state: the stem's direction of
+# sliding (0 stuck or no dry friction), the solver's next trial step, the plays and the sensors.
+DIRECTION, TRIAL_STEP, EP_PLAY, LAGGED_PRESSURE, LAGGED_POSITION, POSITION_PLAY = range(6)
+MEMORIES = 6
+
+
+class PositionerParameters(NamedTuple):
+    """All parameters of the positioner, by component."""
+
+    ep_converter: EpConverter = EpConverter()
+    booster: Booster = Booster()
+    supply: Supply = Supply()
+    tubing: Tubing = Tubing()
+    actuator: Actuator = Actuator()
+    sensors: Sensors = Sensors()
+    discrepancy: Discrepancy = Discrepancy()
+
+
+class Outputs(NamedTuple):
+    """What can be seen of the positioner at one moment; units in `OUTPUT_UNITS`."""
+
+    time: float
+    control_current: float
+    back_pressure: float
+    supply_pressure: float
+    booster_force: float
+    intake_area: float
+    exhaust_area: float
+    mass_flow: float
+    outlet_pressure: float
+    chamber_pressure: float
+    gas_temperature: float
+    valve_position: float
+    stem_velocity: float
+    measured_chamber_pressure: float
+    measured_valve_position: float
+
+
+OUTPUT_UNITS = Outputs(
+    's', 'A', 'Pa', 'Pa', 'N', 'm^2', 'm^2', 'kg/s', 'Pa', 'Pa', 'K', 'm', 'm/s', 'Pa', 'm'
+)._asdict()
+"""Units of the outputs; pressures are gauge, mass flow counts from the booster to the chamber."""
+
+
+def is_active(p: PositionerParameters, state: int) -> bool:
+    """Tell whether a state has dynamics of its own under these parameters."""
+    if state == SUPPLY:
+        return p.supply.droop > 0.0
+    if state == OUTLET:
+        return p.tubing.restriction_area > 0.0
+    if state == TEMPERATURE:
+        return p.actuator.thermal_resistance > 0.0
+    return True
+
+
+def hold_inactive_states(p: PositionerParameters, time: float, y) -> None:
+    """Put the states that have no dynamics of their own where they belong at `time`."""
+    if p.supply.droop <= 0.0:
+        y[SUPPLY] = undrawn_supply(p, time)
+    if p.tubing.restriction_area <= 0.0:
+        y[OUTLET] = y[CHAMBER]
+    if p.actuator.thermal_resistance <= 0.0:
+        y[TEMPERATURE] = p.supply.temperature
+
+
+def undrawn_supply(p: PositionerParameters, time: float) -> float:
+    """Return the supply pressure at no flow, Pa gauge."""
+    pressure = set_pressure(p.supply, time)
+    if p.discrepancy.location == term.SUPPLY and p.discrepancy.variable == term.TIME:
+        pressure += interpolate(p.discrepancy, time)
+    return pressure
+
+
+def discrepancy_at(
+    p: PositionerParameters, location: int, time: float, current: float, y, force: float
+) -> float:
+    """Return the tabulated term of a component, in that component's unit (see discrepancy)."""
+    table = p.discrepancy
+    if table.location != location:
+        return 0.0
+    value = time
+    if table.variable == term.CONTROL_CURRENT:
+        value = current
+    elif table.variable == term.BACK_PRESSURE:
+        value = y[BACK]
+    elif table.variable == term.SUPPLY_PRESSURE:
+        value = y[SUPPLY]
+    elif table.variable == term.CHAMBER_PRESSURE:
+        value = y[CHAMBER]
+    elif table.variable == term.VALVE_POSITION:
+        value = y[POSITION]
+    elif table.variable == term.STEM_VELOCITY:
+        value = y[VELOCITY]
+    elif table.variable == term.BOOSTER_FORCE:
+        value = force
+    return interpolate(table, value)
+
+
+def booster_force(p: PositionerParameters, time: float, current: float, y) -> float:
+    """Return the force that opens the booster's seats, N."""
+    outlet = y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
+    force = diaphragm_force(p.booster, y[BACK], outlet, y[SUPPLY])
+    return force + discrepancy_at(p, term.BOOSTER, time, current, y, force)
+
+
+def net_stem_force(p: PositionerParameters, time: float, current: float, y) -> float:
+    """Return the force on the stem except dry friction, N, positive towards open."""
+    extra = discrepancy_at(p, term.STEM, time, current, y, 0.0)
+    return stem_force(p.actuator, y[CHAMBER], y[POSITION], y[VELOCITY], extra)
+
+
+def derivatives(
+    p: PositionerParameters, time: float, current: float, direction: float, y, rates
+) -> None:
+    """
+    Write the time derivatives of the state `y` into `rates`.
+
+    `current` is the control current in A that the E/P converter sees, `direction` the sign of the
+    stem's sliding (0: no dry friction acts). All from the equations of the components.
+    """
+    ambient = p.supply.temperature
+    chamber = y[CHAMBER]
+    gas_temperature = y[TEMPERATURE] if p.actuator.thermal_resistance > 0.0 else ambient
+
+    extra = discrepancy_at(p, term.EP_CONVERTER, time, current, y, 0.0)
+    settled = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
+    rates[BACK] = back_pressure_rate(p.ep_converter, y[BACK], settled)
+
+    restricted = p.tubing.restriction_area > 0.0
+    outlet = y[OUTLET] if restricted else chamber
+    outlet_temperature = ambient if restricted else gas_temperature
+    force = booster_force(p, time, current, y)
+    into = intake_flow(
+        p.booster, intake_area(p.booster, force, y[SUPPLY], outlet), y[SUPPLY], outlet,
+        ambient, outlet_temperature)
+    out = exhaust_flow(
+        p.booster, exhaust_area(p.booster, force, outlet), outlet, outlet_temperature, ambient)
+
+    rates[SUPPLY] = 0.0
+    if p.supply.droop > 0.0:
+        rates[SUPPLY] = supply_pressure_rate(
+            p.supply, y[SUPPLY], undrawn_supply(p, time), into)
+
+    rates[OUTLET] = 0.0
+    delivered = into - out
+    if restricted:
+        delivered = tube_flow(p.tubing, outlet, chamber, ambient, gas_temperature)
+        rates[OUTLET] = outlet_pressure_rate(p.tubing, into - out, delivered, ambient)
+
+    extra = discrepancy_at(p, term.CHAMBER, time, current, y, force)
+    leaked = leak_flow(p.actuator, chamber, gas_temperature, ambient, extra)
+    rates[TEMPERATURE] = 0.0
+    if p.actuator.thermal_resistance > 0.0:
+        enthalpy = delivered * (ambient if delivered > 0.0 else gas_temperature)
+        enthalpy -= leaked * (gas_temperature if leaked > 0.0 else ambient)
+        rates[CHAMBER], rates[TEMPERATURE] = energy_rates(
+            p.actuator, chamber, gas_temperature, y[POSITION], y[VELOCITY], enthalpy,
+            delivered - leaked, ambient)
+    else:
+        rates[CHAMBER] = isothermal_pressure_rate(
+            p.actuator, chamber, y[POSITION], y[VELOCITY], delivered - leaked, ambient)
+
+    friction = 0.0
+    if direction != 0.0:
+        friction = -direction * sliding_friction(p.actuator, y[POSITION], y[VELOCITY])
+    rates[POSITION] = y[VELOCITY]
+    rates[VELOCITY] = stem_acceleration(
+        p.actuator, net_stem_force(p, time, current, y), friction)
+
+
+def sticks(p: PositionerParameters) -> bool:
+    """Tell whether the stem has dry friction, so that it can stick."""
+    return has_dry_friction(p.actuator)
+
+
+def slip_direction(p: PositionerParameters, time: float, current: float, y) -> float:
+    """Return the direction in which a stem at rest breaks away, 0 if it stays stuck."""
+    force = net_stem_force(p, time, current, y)
+    if abs(force) <= breakaway_friction(p.actuator, y[POSITION]):
+        return 0.0
+    return 1.0 if force > 0.0 else -1.0
+
+
+def breakaway_excess(p: PositionerParameters, time: float, current: float, y) -> float:
+    """Return by how much the force on a stem at rest exceeds the break-away friction, N."""
+    return abs(net_stem_force(p, time, current, y)) - breakaway_friction(
+        p.actuator, y[POSITION])
+
+
+def seen_current(p: PositionerParameters, memory, current: float) -> float:
+    """Return the current that the E/P converter acts on, A, and remember its hysteresis."""
+    if p.ep_converter.hysteresis <= 0.0:
+        return current
+    memory[EP_PLAY] = play(memory[EP_PLAY], current, p.ep_converter.hysteresis)
+    return memory[EP_PLAY]
+
+
+def measure(
+    p: PositionerParameters, memory, before: tuple[float, float], y, step: float
+) -> None:
+    """
+    Let the sensors follow over an interval of `step` s.
+
+    `before` is (chamber pressure, valve position) at its start, `y` the state at its end.
+    """
+    memory[LAGGED_PRESSURE] = lagged(
+        memory[LAGGED_PRESSURE], before[0], y[CHAMBER], p.sensors.pressure_lag, step)
+    start = memory[POSITION_PLAY]
+    memory[POSITION_PLAY] = play(start, y[POSITION], p.sensors.position_backlash)
+    memory[LAGGED_POSITION] = lagged(
+        memory[LAGGED_POSITION], start, memory[POSITION_PLAY], p.sensors.position_lag, step)
+
+
+def start_memory(p: PositionerParameters, current: float, y, first_step: float, memory) -> None:
+    """Fill the memory for a positioner that has been in state `y` for long."""
+    memory[DIRECTION] = 0.0
+    memory[TRIAL_STEP] = first_step
+    memory[EP_PLAY] = current
+    memory[LAGGED_PRESSURE] = y[CHAMBER]
+    memory[POSITION_PLAY] = y[POSITION]
+    memory[LAGGED_POSITION] = y[POSITION]
+
+
+def observe(
+    p: PositionerParameters, time: float, current: float, seen: float, y, memory
+) -> Outputs:
+    """
+    Return everything that can be seen of the state `y` at `time`.
+
+    `current` is the commanded, `seen` the current that the E/P converter acts on, A.
+    """
+    ambient = p.supply.temperature
+    chamber = y[CHAMBER]
+    restricted = p.tubing.restriction_area > 0.0
+    outlet = y[OUTLET] if restricted else chamber
+    outlet_temperature = ambient if restricted else y[TEMPERATURE]
+    force = booster_force(p, time, seen, y)
+    opened_in = intake_area(p.booster, force, y[SUPPLY], outlet)
+    opened_out = exhaust_area(p.booster, force, outlet)
+    flow = intake_flow(
+        p.booster, opened_in, y[SUPPLY], outlet, ambient, outlet_temperature
+    ) - exhaust_flow(p.booster, opened_out, outlet, outlet_temperature, ambient)
+    pressure = pressure_reading(p.sensors, memory[LAGGED_PRESSURE])
+    position = position_reading(p.sensors, memory[LAGGED_POSITION])
+    pressure += discrepancy_at(p, term.PRESSURE_SENSOR, time, seen, y, force)
+    position += discrepancy_at(p, term.POSITION_SENSOR, time, seen, y, force)
+    return Outputs(
+        time, current, y[BACK], y[SUPPLY], force, opened_in, opened_out, flow, outlet, chamber,
+        y[TEMPERATURE], y[POSITION], y[VELOCITY], pressure, position)
