@@ -1,0 +1,38 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Records of a positioner: CSV and rosbag2, read with their defects handled, and written."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from booster_ros.records.cleaning import clean
+from booster_ros.records.csv_file import CsvWriter, csv_columns, iterate_csv, read_csv
+from booster_ros.records.record import COLUMNS, Defect, Record, RecordError
+
+__all__ = [
+    'COLUMNS', 'CsvWriter', 'Defect', 'Record', 'RecordError', 'csv_columns', 'iterate_csv',
+    'read_record',
+]
+
+_BAG_SUFFIXES = {'.mcap', '.db3'}
+
+
+def read_record(
+    path: str | os.PathLike[str],
+    topics: Mapping[str, str] | None = None,
+    stamps: str = 'bag',
+) -> Record:
+    """
+    Return the record in a CSV, or in a rosbag2 folder (sqlite3 or mcap).
+
+    `topics` maps columns to topics of a bag where the default mapping does not fit; `stamps` is
+    'bag' for the time of recording or 'header' for the time in the messages. RecordError is one
+    sentence.
+    """
+    if Path(path).is_dir() or Path(path).suffix in _BAG_SUFFIXES:
+        # Reading CSV needs no rosbags.
+        from booster_ros.records.bag_reader import read_bag
+        return clean(*read_bag(path, topics, stamps))
+    columns, rows, defects = read_csv(path)
+    return clean(columns, rows, str(path), defects)

@@ -1,0 +1,219 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Make raw columns usable, and say what was done.
+
+Every function takes the columns and the row numbers and returns what it changed or found; nothing
+is filled in that was not measured, except that a command holds until the next one.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from booster_ros.records.record import MEASURED, Array, Defect, Record, RecordError
+from booster_ros.records.time_axis import gap_rows
+from booster_ros.records.units import check_pressure_scale
+
+_UNEVEN_RATIO = 1.5
+_LISTED_RUNS = 8
+_EPOCH_SECONDS = 1e8
+_LARGEST_GRID = 2**16
+_AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
+
+Columns = dict[str, Array]
+
+
+def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...] = ()) -> Record:
+    """Return the record with its defects handled; RecordError where one cannot be."""
+    found = list(defects)
+    columns, dropped = drop_empty_columns(columns, rows, source)
+    found += dropped
+    for name, values in columns.items():
+        check_pressure_scale(name, values, rows, source)
+    if 'time' in columns:
+        columns, rows, mended = _clean_time(columns, rows, source)
+        found += mended
+    held = hold_command(columns, rows)
+    found += held
+    for name in columns:
+        found += missing_runs(name, columns[name], rows)
+        found += resolution(name, columns[name])
+    found += start(columns, rows)
+    for values in (*columns.values(), rows):
+        values.flags.writeable = False
+    return Record(columns, source, tuple(found), rows)
+
+
+def drop_empty_columns(
+    columns: Columns, rows: Array, source: str
+) -> tuple[Columns, list[Defect]]:
+    """Leave out the columns without a single value."""
+    empty = [name for name, values in columns.items() if np.isnan(values).all()]
+    kept = {name: values for name, values in columns.items() if name not in empty}
+    if not set(kept) - {'time'}:
+        raise RecordError(f'{source}: column {empty[0]} has no value, and no other column is left')
+    if 'time' in empty:
+        raise RecordError(f'{source}: column time has no value')
+    first, last, count = int(rows[0]), int(rows[-1]), len(rows)
+    text = 'no value at all, left out'
+    return kept, [Defect('empty_column', name, first, last, count, text) for name in empty]
+
+
+def _clean_time(
+    columns: Columns, rows: Array, source: str
+) -> tuple[Columns, Array, list[Defect]]:
+    found = []
+    for mend in (_drop_rows_without_time, _drop_duplicated_stamps, _start_near_zero):
+        columns, rows, mended = mend(columns, rows, source)
+        found += mended
+    found += gaps(columns['time'], rows)
+    found += uneven_sampling(columns['time'])
+    return columns, rows, found
+
+
+def _drop_rows_without_time(
+    columns: Columns, rows: Array, source: str
+) -> tuple[Columns, Array, list[Defect]]:
+    missing = np.isnan(columns['time'])
+    found = _listed('missing_time', 'time', missing, rows, 'rows without a time, dropped')
+    return _select(columns, ~missing), rows[~missing], found
+
+
+def _drop_duplicated_stamps(
+    columns: Columns, rows: Array, source: str
+) -> tuple[Columns, Array, list[Defect]]:
+    """Keep the last of rows with one stamp: it was the newest when the next stamp came."""
+    steps = np.diff(columns['time'])
+    backwards = np.flatnonzero(steps < 0.0)
+    if backwards.size:
+        first = backwards[0] + 1
+        raise RecordError(
+            f'{source}, row {rows[first]}, column time: runs backwards, from '
+            f'{columns["time"][first - 1]:.9g} to {columns["time"][first]:.9g} s'
+        )
+    repeated = np.append(steps == 0.0, False)
+    if len(rows) > 1 and repeated[:-1].all():
+        raise RecordError(f'{source}, row {rows[1]}, column time: stands still in all rows')
+    text = 'stamps that come again in the next row, dropped'
+    found = _listed('duplicated_stamp', 'time', repeated, rows, text)
+    return _select(columns, ~repeated), rows[~repeated], found
+
+
+def _start_near_zero(
+    columns: Columns, rows: Array, source: str
+) -> tuple[Columns, Array, list[Defect]]:
+    """Count a calendar time from the first row: 64 bits resolve it to less than a microsecond."""
+    start = columns['time'][0]
+    if abs(start) < _EPOCH_SECONDS:
+        return columns, rows, []
+    row = int(rows[0])
+    shifted = Defect('calendar_time', 'time', row, row, 1, f'time counted from {start:.6f} s')
+    return {**columns, 'time': columns['time'] - start}, rows, [shifted]
+
+
+def gaps(time: Array, rows: Array) -> list[Defect]:
+    """Find the gaps in time."""
+    after = gap_rows(time)
+    if after.size > _LISTED_RUNS:
+        total = float(np.sum(time[after] - time[after - 1]))
+        text = f'{after.size} gaps in time, {total:.4g} s together, left open'
+        first, last = int(rows[after[0] - 1]), int(rows[after[-1]])
+        return [Defect('gap', 'time', first, last, after.size, text)]
+    return [
+        Defect(
+            'gap', 'time', int(rows[row - 1]), int(rows[row]), 1,
+            f'a gap of {time[row] - time[row - 1]:.4g} s, left open',
+        )
+        for row in after
+    ]
+
+
+def uneven_sampling(time: Array) -> list[Defect]:
+    """Say how uneven the sampling is, apart from the gaps."""
+    steps = np.diff(time)
+    if steps.size < 10:
+        return []
+    low, middle, high = np.percentile(steps, [5.0, 50.0, 95.0])
+    if high < _UNEVEN_RATIO * low:
+        return []
+    text = (
+        f'sampled unevenly, every {middle:.4g} s in the median, {low:.4g} to {high:.4g} s in 90 % '
+        'of the rows; used as it is'
+    )
+    return [Defect('uneven_sampling', 'time', 0, 0, steps.size, text)]
+
+
+def hold_command(columns: Columns, rows: Array) -> list[Defect]:
+    """Fill missing currents with the one before, never across a gap: a command holds."""
+    if 'control_current' not in columns:
+        return []
+    values = columns['control_current']
+    missing = np.isnan(values)
+    last_known = np.maximum.accumulate(np.where(missing, -1, np.arange(values.size)))
+    holdable = missing & (last_known >= 0)
+    if 'time' in columns:
+        piece = np.zeros(values.size, dtype=int)
+        piece[gap_rows(columns['time'])] = 1
+        piece = np.cumsum(piece)
+        holdable &= piece == piece[last_known]
+    columns['control_current'] = np.where(holdable, values[last_known], values)
+    text = 'missing values, held from the row before'
+    return _listed('missing_command', 'control_current', holdable, rows, text)
+
+
+def missing_runs(column: str, values: Array, rows: Array) -> list[Defect]:
+    """Find the runs of missing values of a column."""
+    text = 'missing values, neither filled nor compared'
+    return _listed('missing_values', column, np.isnan(values), rows, text)
+
+
+def resolution(column: str, values: Array) -> list[Defect]:
+    """Find the resolution of a quantised signal."""
+    if column not in MEASURED:
+        return []
+    levels = np.unique(values[np.isfinite(values)])
+    if levels.size < 3 or levels.size > _LARGEST_GRID:
+        return []
+    step = np.diff(levels).min()
+    span = levels[-1] - levels[0]
+    multiples = (levels - levels[0]) / step
+    if span / step > _LARGEST_GRID or np.abs(multiples - np.rint(multiples)).max() > 0.02:
+        return []
+    text = f'quantised in steps of {step:.3g}, used as it is'
+    return [Defect('quantised', column, 0, 0, int(np.isfinite(values).sum()), text)]
+
+
+def start(columns: Columns, rows: Array) -> list[Defect]:
+    """Say that a record does not start at rest: its first rows are the initial state."""
+    if 'time' not in columns:
+        return []
+    for name, rest in _AT_REST.items():
+        known = np.flatnonzero(np.isfinite(columns.get(name, np.array([]))))
+        if known.size and columns[name][known[0]] > rest:
+            row, value = int(rows[known[0]]), columns[name][known[0]]
+            text = f'starts in operation, at {value:.4g}; taken as the initial state'
+            return [Defect('starts_in_operation', name, row, row, 1, text)]
+    return []
+
+
+def _select(columns: Columns, keep: Array) -> Columns:
+    return {name: values[keep] for name, values in columns.items()}
+
+
+def _listed(kind: str, column: str, affected: Array, rows: Array, text: str) -> list[Defect]:
+    """Return one defect for each run of affected rows, or one for all where there are many runs."""
+    runs = list(_runs(affected))
+    if len(runs) > _LISTED_RUNS:
+        runs = [(runs[0][0], runs[-1][1])]
+    return [
+        Defect(kind, column, int(rows[first]), int(rows[last - 1]), count, f'{count} {text}')
+        for first, last in runs
+        if (count := int(affected[first:last].sum()))
+    ]
+
+
+def _runs(affected: Array) -> Iterator[tuple[int, int]]:
+    """Yield first and one after the last index of each run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], affected, [False]]).astype(np.int8)))
+    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)

@@ -1,0 +1,177 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read CSV records, whole or in chunks of rows, and write them row by row."""
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+
+from booster_ros.records.csv_header import Header, read_header
+from booster_ros.records.csv_text import line_blocks, parse_block
+from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
+from booster_ros.records.units import check_units
+
+_DECIMALS = {'s': 6, 'A': 12, 'Pa': 3, 'm': 9, 'kg/s': 12}
+"""Written decimals by unit, well below the resolution of any sensor."""
+
+
+class Chunk(NamedTuple):
+    """Some consecutive rows of a CSV: their numbers and their values (rows x columns)."""
+
+    rows: Array
+    values: Array
+
+
+def csv_columns(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Return the known columns of a CSV in the order of the file, RecordError if there are none."""
+    with _opened(path) as (header, _):
+        return header.names
+
+
+def read_csv(path: str | os.PathLike[str]) -> tuple[dict[str, Array], Array, tuple[Defect, ...]]:
+    """Return the known columns of a CSV as they are, the row numbers, and notes on the header."""
+    source = str(path)
+    with _opened(path) as (header, file):
+        chunks = list(_chunks(header, file, source))
+    if not chunks:
+        raise RecordError(f'{source} has a header and no rows of data')
+    values = np.concatenate([chunk.values for chunk in chunks])
+    rows = np.concatenate([chunk.rows for chunk in chunks])
+    columns = {name: values[:, place].copy() for place, name in enumerate(header.names)}
+    return columns, rows, header.defects
+
+
+def iterate_csv(
+    path: str | os.PathLike[str], columns: Sequence[str], rows_per_chunk: int = 100_000
+) -> Iterator[Chunk]:
+    """
+    Yield the wanted columns, in the order asked for, at most `rows_per_chunk` rows at a time.
+
+    Memory stays flat however long the file is. Cells that are empty are NaN. RecordError where a
+    column is missing, a cell is no finite number, a unit is wrong, or time is missing or runs
+    backwards; a stamp may come twice.
+    """
+    source = str(path)
+    with _opened(path) as (header, file):
+        missing = [name for name in columns if name not in header.positions]
+        if missing:
+            raise RecordError(f'{source}, row 1: there is no column {missing[0]}')
+        wanted = Header(
+            {name: header.positions[name] for name in columns}, header.width, header.delimiter, ()
+        )
+        last_time = -np.inf
+        empty = True
+        for chunk in _chunks(wanted, file, source):
+            if 'time' in wanted.positions:
+                last_time = _check_time(chunk, wanted, last_time, source)
+            for first in range(0, len(chunk.rows), rows_per_chunk):
+                empty = False
+                part = slice(first, first + rows_per_chunk)
+                yield Chunk(chunk.rows[part], chunk.values[part])
+        if empty:
+            raise RecordError(f'{source} has a header and no rows of data')
+
+
+@contextmanager
+def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Header, BinaryIO]]:
+    try:
+        with open(path, 'rb') as file:
+            first_line = file.readline()
+            if b'\r' in first_line.rstrip(b'\r\n'):
+                first_line = first_line.split(b'\r', 1)[0] + b'\r'
+                file.seek(len(first_line))
+            if not first_line.strip():
+                raise RecordError(f'{path}: the first row is empty, it must name the columns')
+            yield read_header(first_line, str(path)), file
+    except OSError as error:
+        raise RecordError(f'{path}: {error.strerror}') from None
+
+
+def _chunks(header: Header, file: BinaryIO, source: str) -> Iterator[Chunk]:
+    first_row = 2
+    for block in line_blocks(file):
+        rows, values = parse_block(block, first_row, header, source)
+        first_row += block.count(b'\n')
+        if rows.size:
+            for place, name in enumerate(header.names):
+                _check_finite(name, values[:, place], rows, source)
+                check_units(name, values[:, place], rows, source)
+            yield Chunk(rows, values)
+
+
+def _check_finite(column: str, values: Array, rows: Array, source: str) -> None:
+    infinite = np.flatnonzero(np.isinf(values))
+    if infinite.size:
+        row = rows[infinite[0]]
+        raise RecordError(f'{source}, row {row}, column {column}: the value is infinite')
+
+
+def _check_time(chunk: Chunk, header: Header, last_time: float, source: str) -> float:
+    time = chunk.values[:, header.names.index('time')]
+    missing = np.flatnonzero(np.isnan(time))
+    if missing.size:
+        row = chunk.rows[missing[0]]
+        raise RecordError(f'{source}, row {row}, column time: the time is missing')
+    backwards = np.flatnonzero(np.diff(time, prepend=last_time) < 0.0)
+    if backwards.size:
+        raise RecordError(f'{source}, row {chunk.rows[backwards[0]]}, column time: runs backwards')
+    return float(time[-1])
+
+
+def _cell_format(column: str) -> str:
+    """Return fixed decimals for known columns: twice as fast to write as significant digits."""
+    return f'%.{_DECIMALS[COLUMNS[column].unit]}f' if column in COLUMNS else '%.9g'
+
+
+class CsvWriter:
+    """
+    Writes a CSV record row by row.
+
+    The file has a temporary name beside the wanted one until `close`; used in a `with`, an
+    exception discards it. RecordError where it cannot be written.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
+        self._path = Path(path)
+        self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
+        self._row = ','.join(_cell_format(name) for name in columns) + '\n'
+        try:
+            self._file = self._partial.open('w', encoding='ascii', newline='\n')
+            self._file.write(','.join(columns) + '\n')
+        except OSError as error:
+            raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
+
+    def write_rows(self, values: Array) -> None:
+        """Append rows x columns of values, NaN where one is missing."""
+        try:
+            self._file.write(self._row * len(values) % tuple(np.asarray(values).ravel().tolist()))
+        except OSError as error:
+            raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
+
+    def close(self) -> None:
+        """Complete the file and give it its name."""
+        try:
+            self._file.close()
+            os.replace(self._partial, self._path)
+        except OSError as error:
+            raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
+
+    def discard(self) -> None:
+        """Remove what was written."""
+        self._file.close()
+        self._partial.unlink(missing_ok=True)
+
+    def __enter__(self) -> 'CsvWriter':
+        """Return the writer."""
+        return self
+
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
+        """Complete the file, or discard it after an exception."""
+        if kind is None:
+            self.close()
+        else:
+            self.discard()

@@ -1,0 +1,111 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The header of a CSV record: its columns, how cells are separated and decimals are written."""
+
+import csv
+import difflib
+from dataclasses import dataclass
+
+from booster_ros.records.record import COLUMNS, Defect, RecordError
+
+_BYTE_ORDER_MARK = b'\xef\xbb\xbf'
+_OTHER_ENCODINGS = {
+    b'\xff\xfe': 'UTF-16',
+    b'\xfe\xff': 'UTF-16',
+    b'PK': 'a zip archive or spreadsheet',
+    b'\x1f\x8b': 'gzip',
+    b'SQLite': 'an SQLite data base; give the folder of the bag',
+    b'\x89MCAP': 'an MCAP bag; its name must end in .mcap',
+}
+_NAMES_FOR_TIME = {
+    'time', 't', 'sec', 'secs', 'second', 'seconds', 'stamp', 'timestamp', 'datetime', 'date',
+}
+
+
+@dataclass(frozen=True)
+class Header:
+    """
+    The layout of a CSV.
+
+    `positions` maps the known columns to their place; `width` counts all columns. With a separator
+    other than a comma, a comma in a number is a decimal comma.
+    """
+
+    positions: dict[str, int]
+    width: int
+    delimiter: str
+    defects: tuple[Defect, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The known columns in the order of the file."""
+        return tuple(self.positions)
+
+
+def read_header(line: bytes, source: str) -> Header:
+    """Return the layout that the first line declares; RecordError where it declares none."""
+    text = _decode(line, source).rstrip('\r\n')
+    delimiter = max(',;\t', key=text.count)
+    try:
+        cells = next(csv.reader([text], delimiter=delimiter), [])
+    except csv.Error as error:
+        raise RecordError(f'{source}, row 1: the header is not CSV ({error})') from None
+    positions: dict[str, int] = {}
+    defects = []
+    for place, cell in enumerate(cells):
+        name = _normalised(cell)
+        if name not in COLUMNS:
+            defects.append(_ignored(cell, place))
+            continue
+        if name in positions:
+            raise RecordError(f'{source}, row 1: column {name} appears twice')
+        positions[name] = place
+        if name != cell.strip():
+            defects.append(Defect('renamed_column', cell.strip(), 1, 1, 1, f'read as {name}'))
+    if not set(positions) - {'time'}:
+        raise RecordError(
+            f'{source}, row 1: no known column beside time; a record has some of '
+            f'{", ".join(COLUMNS)}'
+        )
+    if 'time' not in positions:
+        _refuse_disguised_time(cells, source)
+    return Header(positions, len(cells), delimiter, tuple(defects))
+
+
+def _decode(line: bytes, source: str) -> str:
+    for start, meaning in _OTHER_ENCODINGS.items():
+        if line.startswith(start):
+            raise RecordError(f'{source} is not a CSV in UTF-8 but {meaning}')
+    try:
+        text = line.removeprefix(_BYTE_ORDER_MARK).decode()
+    except UnicodeDecodeError:
+        raise RecordError(f'{source}, row 1: not UTF-8; save the file as UTF-8') from None
+    if '\0' in text:
+        raise RecordError(f'{source}, row 1: the file is binary, not CSV')
+    return text
+
+
+def _normalised(cell: str) -> str:
+    return cell.strip().lower().replace(' ', '_').replace('-', '_')
+
+
+def _ignored(cell: str, place: int) -> Defect:
+    label = cell.strip() or f'number {place + 1}'
+    near = difflib.get_close_matches(_normalised(cell), COLUMNS, n=1, cutoff=0.75)
+    question = f' (is it {near[0]}?)' if near else ''
+    return Defect('unknown_column', label, 1, 1, 1, f'not a column of a record, ignored{question}')
+
+
+def _refuse_disguised_time(cells: list[str], source: str) -> None:
+    """
+    Refuse a time column under another name.
+
+    Ignoring it would silently turn a record in time into a quasi-static sweep.
+    """
+    for cell in cells:
+        words = _normalised(cell).replace('[', '_').replace('(', '_').split('_')
+        if words[0] in _NAMES_FOR_TIME:
+            raise RecordError(
+                f'{source}, row 1: column {cell.strip()!r} looks like the time; '
+                'call it time, in seconds'
+            )

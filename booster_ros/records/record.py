@@ -1,0 +1,116 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A record of a positioner: named columns in SI units, and what is wrong with them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from booster_ros.records.time_axis import gap_rows
+
+Array = np.ndarray
+
+
+class RecordError(ValueError):
+    """A record cannot be used; the message is one sentence that names file, row and column."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """
+    A physical quantity that a record may hold.
+
+    `largest` is the largest magnitude that makes sense in SI units. Anything above it was recorded
+    in another unit, which `mistaken_for` names.
+    """
+
+    unit: str
+    meaning: str
+    largest: float
+    mistaken_for: str
+
+
+COLUMNS: Mapping[str, Column] = {
+    'time': Column('s', 'time', 1e10, 'milliseconds or nanoseconds'),
+    'control_current': Column('A', 'current into the E/P converter', 0.1, 'mA'),
+    'back_pressure': Column('Pa', 'gauge pressure behind the nozzle', 5e6, 'mbar or absolute mPa'),
+    'supply_pressure': Column('Pa', 'gauge pressure of the supply', 5e6, 'mbar or absolute mPa'),
+    'mass_flow': Column('kg/s', 'flow into the actuator chamber', 1.0, 'g/s or l/min'),
+    'chamber_pressure': Column('Pa', 'gauge pressure in the actuator', 5e6, 'mbar or absolute mPa'),
+    'valve_position': Column('m', 'stem travel from closed', 0.5, 'mm, % or a fraction of travel'),
+}
+"""The columns of a record, most upstream first after `time`."""
+
+MEASURED = ('chamber_pressure', 'valve_position', 'back_pressure', 'mass_flow', 'supply_pressure')
+"""Sensor signals; `control_current` is a command and changes in steps."""
+
+
+@dataclass(frozen=True)
+class Defect:
+    """
+    Something wrong in a record, and what was done about it.
+
+    Rows count as a text editor shows the lines of a CSV (the header is line 1), or as the messages
+    of the bag's time base (the first is 1). They are 0 where a defect is not in particular rows.
+    """
+
+    kind: str
+    column: str
+    first_row: int
+    last_row: int
+    count: int
+    treatment: str
+
+    def __str__(self) -> str:
+        """Return the sentence for a report."""
+        place = _place(self.first_row, self.last_row)
+        column = f'column {self.column}' if self.column else ''
+        where = ', '.join(part for part in (place, column) if part)
+        return f'{where}: {self.treatment}' if where else self.treatment
+
+
+def _place(first_row: int, last_row: int) -> str:
+    if not first_row:
+        return ''
+    return f'row {first_row}' if first_row == last_row else f'rows {first_row} to {last_row}'
+
+
+@dataclass(frozen=True)
+class Record:
+    """
+    Columns of equal length, in SI units, gauge pressures, NaN where a value is missing.
+
+    `time` (s) increases strictly where it is present; without it the rows are a quasi-static sweep.
+    `control_current` holds from its row to the next. `rows` says where in the file each row was.
+    """
+
+    columns: Mapping[str, Array]
+    source: str
+    defects: tuple[Defect, ...]
+    rows: Array
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.rows)
+
+    def __contains__(self, column: str) -> bool:
+        """Say whether the record has the column."""
+        return column in self.columns
+
+    def __getitem__(self, column: str) -> Array:
+        """Return the values of a column."""
+        return self.columns[column]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Everything that was dropped, mended or found odd, one sentence each."""
+        return tuple(str(defect) for defect in self.defects)
+
+    def stretches(self) -> list[slice]:
+        """Return the slices between the gaps in time; a simulation must not run across one."""
+        if 'time' not in self.columns:
+            return [slice(0, len(self))]
+        edges = [0, *(int(row) for row in gap_rows(self.columns['time'])), len(self)]
+        return [slice(first, last) for first, last in pairwise(edges)]
