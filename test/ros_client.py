@@ -1,0 +1,74 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""An rclpy node inside the test, to talk to the node under test."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+
+
+class RosClient:
+    """A node with a context of its own; use it as a context manager."""
+
+    def __init__(self, name: str = "test_client"):
+        """Join the domain that ROS_DOMAIN_ID names."""
+        self._context = Context()
+        rclpy.init(context=self._context)
+        self.node = rclpy.create_node(name, context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+
+    def spin_until(self, done: Callable[[], bool], timeout: float = 20.0) -> None:
+        """
+        Handle what arrives until `done()`.
+
+        Raises:
+            AssertionError: it is not done after `timeout` seconds.
+
+        """
+        end = time.monotonic() + timeout
+        while not done():
+            assert time.monotonic() < end, f"nothing came of it in {timeout} s"
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def listen(self, topic: str, kind: type, depth: int = 1000) -> list[Any]:
+        """Subscribe, and return the list to which each message is appended as it arrives."""
+        messages: list[Any] = []
+        self.node.create_subscription(kind, topic, messages.append, depth)
+        return messages
+
+    def receive(self, topic: str, kind: type, count: int = 1, timeout: float = 20.0) -> list[Any]:
+        """Subscribe and return the first `count` messages."""
+        messages = self.listen(topic, kind)
+        self.spin_until(lambda: len(messages) >= count, timeout)
+        return messages[:count]
+
+    def call(self, service: str, kind: type, request: Any, timeout: float = 20.0) -> Any:
+        """Wait for the service, call it and return the response."""
+        client = self.node.create_client(kind, service)
+        self.spin_until(client.service_is_ready, timeout)
+        future = client.call_async(request)
+        self.spin_until(future.done, timeout)
+        return future.result()
+
+    def __enter__(self) -> RosClient:
+        """Return the client itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Leave the domain."""
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()

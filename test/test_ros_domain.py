@@ -1,0 +1,60 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Domains of test processes and demos that run at the same time do not meet."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+import rclpy
+from rclpy.context import Context
+
+from booster_ros.programs.ros_domain import claim_domain
+
+CLAIM_AND_WAIT = """
+from booster_ros.programs.ros_domain import claim_domain
+print(claim_domain().id, flush=True)
+input()
+"""
+
+
+def test_claims_of_one_process_differ():
+    claimed = [claim_domain() for _ in range(20)]
+    try:
+        assert len({domain.id for domain in claimed}) == 20
+    finally:
+        for domain in claimed:
+            domain.release()
+
+
+def test_claims_of_several_processes_differ_and_end_with_them():
+    ids = [int(os.environ["ROS_DOMAIN_ID"])]
+    others = [
+        subprocess.Popen(
+            [sys.executable, "-c", CLAIM_AND_WAIT],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for _ in range(4)
+    ]
+    ids += [int(other.stdout.readline()) for other in others]
+    for other in others:
+        other.communicate("\n")
+    assert len(set(ids)) == 5
+
+
+def test_a_domain_in_which_a_participant_listens_is_not_claimed():
+    domain = claim_domain()
+    domain.release()
+    context = Context()
+    rclpy.init(context=context, domain_id=domain.id)
+    try:
+        listener = rclpy.create_node("listener", context=context)
+        with pytest.raises(RuntimeError, match=f"{domain.id}"):
+            claim_domain(among=[domain.id])
+        listener.destroy_node()
+    finally:
+        context.try_shutdown()
+    claim_domain(among=[domain.id]).release()
