@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records of a positioner: CSV and rosbag2, read with their defects handled, and written."""
 
-import os
 from collections.abc import Mapping
+import os
 from pathlib import Path
 
 from booster_ros.records.cleaning import clean

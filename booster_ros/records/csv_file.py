@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Read CSV records, whole or in chunks of rows, and write them row by row."""
 
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+import os
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -13,7 +13,7 @@ import numpy as np
 from booster_ros.records.csv_header import Header, read_header
 from booster_ros.records.csv_text import line_blocks, parse_block
 from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
-from booster_ros.records.units import check_units
+from booster_ros.records.units import check_finite, check_units
 
 _DECIMALS = {'s': 6, 'A': 12, 'Pa': 3, 'm': 9, 'kg/s': 12}
 """Written decimals by unit, well below the resolution of any sensor."""
@@ -98,16 +98,9 @@ def _chunks(header: Header, file: BinaryIO, source: str) -> Iterator[Chunk]:
         first_row += block.count(b'\n')
         if rows.size:
             for place, name in enumerate(header.names):
-                _check_finite(name, values[:, place], rows, source)
+                check_finite(name, values[:, place], rows, source)
                 check_units(name, values[:, place], rows, source)
             yield Chunk(rows, values)
-
-
-def _check_finite(column: str, values: Array, rows: Array, source: str) -> None:
-    infinite = np.flatnonzero(np.isinf(values))
-    if infinite.size:
-        row = rows[infinite[0]]
-        raise RecordError(f'{source}, row {row}, column {column}: the value is infinite')
 
 
 def _check_time(chunk: Chunk, header: Header, last_time: float, source: str) -> float:

@@ -3,8 +3,8 @@
 """The header of a CSV record: its columns, how cells are separated and decimals are written."""
 
 import csv
-import difflib
 from dataclasses import dataclass
+import difflib
 
 from booster_ros.records.record import COLUMNS, Defect, RecordError
 

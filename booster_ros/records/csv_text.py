@@ -7,9 +7,9 @@ A block of clean lines is parsed at once. A block that has anything odd in it is
 which is slower and knows the row and the column of what it cannot read.
 """
 
+from collections.abc import Iterator
 import csv
 import io
-from collections.abc import Iterator
 from typing import BinaryIO
 
 import numpy as np

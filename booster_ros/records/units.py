@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Refuse values that cannot be in the unit of their column: mA for A, kPa for Pa, mm for m."""
+"""Refuse values that cannot be in the unit of their column, such as mA for A or mm for m."""
 
 import numpy as np
 
@@ -10,6 +10,14 @@ LARGEST_KILOPASCALS = 2000.0
 """A pressure signal that stays below this number is in kPa, bar, MPa or psi, not in Pa."""
 
 _NOISE_SHARE = 0.05
+
+
+def check_finite(column: str, values: Array, rows: Array, source: str) -> None:
+    """Raise RecordError where a value is infinite."""
+    infinite = np.flatnonzero(np.isinf(values))
+    if infinite.size:
+        row = rows[infinite[0]]
+        raise RecordError(f'{source}, row {row}, column {column}: the value is infinite')
 
 
 def check_units(column: str, values: Array, rows: Array, source: str) -> None:

@@ -1,0 +1,169 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read the topics of a rosbag2 bag (sqlite3 or mcap) into the columns of a record."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.typesys import Stores, get_typestore
+
+from booster_ros.records.bag_topics import READERS, Channel, choose_channels
+from booster_ros.records.record import Array, Defect, RecordError
+from booster_ros.records.time_base import Signal, merge
+from booster_ros.records.units import check_finite, check_units
+
+STAMPS = ('bag', 'header')
+
+_LONGEST_TRANSPORT = 1.0
+_NANOSECONDS = 1e-9
+
+
+class Bag(NamedTuple):
+    """The columns of a bag on one time base, as `clean` takes them."""
+
+    columns: dict[str, Array]
+    rows: Array
+    source: str
+    defects: tuple[Defect, ...]
+
+
+class _Samples(NamedTuple):
+    """What was read of one channel; `header` (ns) is empty where messages have no header."""
+
+    received: Array
+    header: Array
+    values: Array
+
+
+def read_bag(
+    path: str | os.PathLike[str], topics: Mapping[str, str] | None = None, stamps: str = 'bag'
+) -> Bag:
+    """
+    Return the columns that the topics of a bag hold, on one time base.
+
+    `topics` maps columns to topics, as {'valve_position': '/left/joint_states:valve'}; without it
+    topics are taken by name. `stamps` is 'bag' (time of recording) or 'header'. RecordError says
+    what is wrong with the bag.
+    """
+    if stamps not in STAMPS:
+        raise RecordError(f'stamps must be bag or header, not {stamps!r}')
+    source = str(path)
+    _check_complete(Path(path))
+    try:
+        samples = _read_samples(Path(path), topics, stamps)
+    except RecordError as error:
+        raise RecordError(f'{source}: {error}') from None
+    except Exception as error:
+        # On a damaged bag rosbags raises whatever it meets: its own errors, struct.error, KeyError,
+        # sqlite3.Error, YAMLError … There is nothing else in this block.
+        raise RecordError(f'{source} is not a readable bag: {_one_line(error)}') from None
+    signals = _signals(samples, stamps, source)
+    columns, rows, defects = merge(signals)
+    for name, values in columns.items():
+        check_finite(name, values, rows, source)
+        check_units(name, values, rows, source)
+    return Bag(columns, rows, source, tuple(defects))
+
+
+def _check_complete(path: Path) -> None:
+    if not path.exists():
+        raise RecordError(f'{path}: No such file or directory')
+    if path.is_dir() and not (path / 'metadata.yaml').exists():
+        raise RecordError(
+            f'{path} is not a complete bag, it has no metadata.yaml: give the .mcap or .db3 file '
+            'in it, or repair it with ros2 bag reindex'
+        )
+
+
+def _one_line(error: Exception) -> str:
+    text = ' '.join(str(error).split()) or type(error).__name__
+    return text[:200]
+
+
+def _read_samples(
+    path: Path, topics: Mapping[str, str] | None, stamps: str
+) -> dict[Channel, _Samples]:
+    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
+        if not bag.is2:
+            raise AnyReaderError('ROS 1 bags are not read')
+        available = {connection.topic: connection.msgtype for connection in bag.connections}
+        channels = choose_channels(available, topics, stamps)
+        by_topic = defaultdict(list)
+        for channel in channels:
+            by_topic[channel.topic].append(channel)
+        wanted = [connection for connection in bag.connections if connection.topic in by_topic]
+        raw: dict[Channel, list[tuple[int, int, float]]] = {channel: [] for channel in channels}
+        for connection, received, data in bag.messages(wanted):
+            message = bag.deserialize(data, connection.msgtype)
+            stamp = _header_stamp(message)
+            for channel in by_topic[connection.topic]:
+                value = READERS[channel.message_type](message, channel)
+                raw[channel].append((received, stamp, value))
+    return {channel: _as_arrays(triples) for channel, triples in raw.items()}
+
+
+def _header_stamp(message: object) -> int:
+    """Return the nanoseconds in the header of a message, 0 where it has none or it was not set."""
+    header = getattr(message, 'header', None)
+    return 0 if header is None else header.stamp.sec * 10**9 + header.stamp.nanosec
+
+
+def _as_arrays(triples: list[tuple[int, int, float]]) -> _Samples:
+    received = np.array([triple[0] for triple in triples], dtype=np.int64)
+    header = np.array([triple[1] for triple in triples], dtype=np.int64)
+    values = np.array([triple[2] for triple in triples], dtype=float)
+    return _Samples(received, header if header.any() else header[:0], values)
+
+
+def _signals(samples: Mapping[Channel, _Samples], stamps: str, source: str) -> dict[str, Signal]:
+    for channel, sample in samples.items():
+        if not sample.values.size:
+            raise RecordError(
+                f'{source}: topic {channel.topic} of column {channel.column} has no message'
+            )
+    if stamps == 'header':
+        chosen = _header_stamps(samples, source)
+    else:
+        chosen = {channel: sample.received for channel, sample in samples.items()}
+    zero = min(int(time.min()) for time in chosen.values())
+    signals = {}
+    for channel, time in chosen.items():
+        order = np.argsort(time, kind='stable')
+        seconds = (time[order] - zero) * _NANOSECONDS
+        signals[channel.column] = Signal(channel.topic, seconds, samples[channel].values[order])
+    return signals
+
+
+def _header_stamps(samples: Mapping[Channel, _Samples], source: str) -> dict[Channel, Array]:
+    """
+    Return the header stamps, and the time of recording of topics whose messages have none.
+
+    That is the same clock, late by the transport, unless the bag was recorded against another one.
+    """
+    stamped = {channel: sample for channel, sample in samples.items() if sample.header.size}
+    if not stamped:
+        raise RecordError(f'{source}: no topic has stamps in its header; use the time of recording')
+    for channel, sample in stamped.items():
+        backwards = np.flatnonzero(np.diff(sample.header) < 0)
+        if backwards.size:
+            raise RecordError(
+                f'{source}: the header stamps of topic {channel.topic} run backwards at message '
+                f'{backwards[0] + 2}'
+            )
+        delay = np.median(sample.received - sample.header) * _NANOSECONDS
+        plain = [other for other in samples if other not in stamped]
+        if plain and abs(delay) > _LONGEST_TRANSPORT:
+            raise RecordError(
+                f'{source}: topic {plain[0].topic} has no header, and the header stamps of '
+                f'{channel.topic} are of another clock ({delay:.3g} s from the time of recording); '
+                'use the time of recording'
+            )
+    return {
+        channel: sample.header if channel in stamped else sample.received
+        for channel, sample in samples.items()
+    }

@@ -1,0 +1,126 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which topic of a bag holds which column of a record."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from booster_ros.model.gas import ATMOSPHERE
+from booster_ros.records.record import COLUMNS, RecordError
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A column of a record, the topic it is read from, and the element of the message, if named."""
+
+    column: str
+    topic: str
+    message_type: str
+    element: str = ''
+
+
+def _data(message: Any, channel: Channel) -> float:
+    return float(message.data)
+
+
+def _gauge_pressure(message: Any, channel: Channel) -> float:
+    return float(message.fluid_pressure) - ATMOSPHERE
+
+
+def _joint_position(message: Any, channel: Channel) -> float:
+    return _named(message.name, message.position, channel)
+
+
+def _named(names: list[str], values: Any, channel: Channel) -> float:
+    """Return the value of the element asked for, or of the only one."""
+    if channel.element in names:
+        return float(values[names.index(channel.element)])
+    if not channel.element and len(names) == 1:
+        return float(values[0])
+    raise RecordError(
+        f'topic {channel.topic} names {", ".join(names) or "nothing"}; '
+        f'say which is {channel.column}, as in {channel.column}={channel.topic}:NAME'
+    )
+
+
+READERS: Mapping[str, Callable[[Any, Channel], float]] = {
+    'std_msgs/msg/Float64': _data,
+    'std_msgs/msg/Float32': _data,
+    'sensor_msgs/msg/FluidPressure': _gauge_pressure,
+    'sensor_msgs/msg/JointState': _joint_position,
+}
+"""How to read a value from a message, by message type."""
+
+_STAMPED = ('sensor_msgs/msg/FluidPressure', 'sensor_msgs/msg/JointState')
+_SUFFIX = '_stamped'
+
+
+def choose_channels(
+    available: Mapping[str, str], topics: Mapping[str, str] | None, stamps: str
+) -> list[Channel]:
+    """
+    Return the channels to read from the available topics (name to message type).
+
+    A topic belongs to the column it is called after, in whatever namespace, with or without
+    `_stamped`. Where both are there, bag time prefers the plain type and header time the stamped
+    one. RecordError where two namespaces offer a column, or a topic asked for cannot be read.
+    """
+    wanted = dict(topics or {})
+    for column in wanted:
+        if column not in COLUMNS or column == 'time':
+            raise RecordError(f'topics: {column!r} is not a column of a record')
+    channels = []
+    for column in COLUMNS:
+        if column in wanted:
+            channels.append(_asked_for(column, wanted[column], available))
+        elif candidates := [topic for topic in available if _belongs(topic, column, available)]:
+            channels.append(_preferred(column, candidates, available, stamps))
+    if not channels:
+        raise RecordError(f'no topic is called after a column; there are {_listing(available)}')
+    return channels
+
+
+def _asked_for(column: str, target: str, available: Mapping[str, str]) -> Channel:
+    topic, _, element = target.partition(':')
+    topic = '/' + topic.lstrip('/')
+    if topic not in available:
+        raise RecordError(
+            f'topic {topic} for column {column} is not in the bag; there are {_listing(available)}'
+        )
+    if available[topic] not in READERS:
+        raise RecordError(
+            f'topic {topic} for column {column} is of type {available[topic]}, not one of '
+            f'{", ".join(READERS)}'
+        )
+    return Channel(column, topic, available[topic], element)
+
+
+def _belongs(topic: str, column: str, available: Mapping[str, str]) -> bool:
+    return available[topic] in READERS and _stem(topic) == column
+
+
+def _stem(topic: str) -> str:
+    return topic.rsplit('/', 1)[-1].removesuffix(_SUFFIX)
+
+
+def _preferred(
+    column: str, candidates: list[str], available: Mapping[str, str], stamps: str
+) -> Channel:
+    namespaces = sorted({topic.rsplit('/', 1)[0] for topic in candidates})
+    if len(namespaces) > 1:
+        raise RecordError(
+            f'column {column} could be {" or ".join(sorted(candidates))}; '
+            f'say which, as in {column}={sorted(candidates)[0]}'
+        )
+
+    def rank(topic: str) -> tuple[bool, str]:
+        is_stamped = available[topic] in _STAMPED
+        return is_stamped != (stamps == 'header'), topic
+
+    topic = min(candidates, key=rank)
+    return Channel(column, topic, available[topic])
+
+
+def _listing(topics: Iterable[str]) -> str:
+    return ', '.join(sorted(topics)) or 'none'
