@@ -5,34 +5,34 @@ from glob import glob
 
 from setuptools import find_packages, setup
 
-package_name = "booster_ros"
+package_name = 'booster_ros'
 
 setup(
     name=package_name,
-    version="0.1.0",
-    packages=find_packages(exclude=["test", "test.*"]),
-    package_data={package_name: ["py.typed", "paper/data/*.csv"]},
+    version='0.1.0',
+    packages=find_packages(exclude=['test', 'test.*']),
+    package_data={package_name: ['py.typed', 'paper/data/*.csv']},
     data_files=[
-        ("share/ament_index/resource_index/packages", ["resource/" + package_name]),
-        ("share/" + package_name, ["package.xml"]),
-        ("share/" + package_name + "/launch", glob("launch/*.launch.py")),
-        ("share/" + package_name + "/config", glob("config/*")),
+        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
+        ('share/' + package_name, ['package.xml']),
+        ('share/' + package_name + '/launch', glob('launch/*.launch.py')),
+        ('share/' + package_name + '/config', glob('config/*')),
     ],
-    install_requires=["setuptools"],
-    python_requires=">=3.10",
+    install_requires=['setuptools'],
+    python_requires='>=3.10',
     zip_safe=False,
-    maintainer="The booster_ros authors",
-    maintainer_email="maintainers@example.org",
-    description="A simulated electro-pneumatic valve positioner, and a program that says what a "
-    "model of a real one lacks.",
-    license="Apache-2.0",
+    maintainer='The booster_ros authors',
+    maintainer_email='maintainers@example.org',
+    description='A simulated electro-pneumatic valve positioner, and a program that says what a '
+    'model of a real one lacks.',
+    license='Apache-2.0',
     entry_points={
-        "console_scripts": [
-            "positioner = booster_ros.nodes.positioner:main",
-            "fake_controller = booster_ros.nodes.fake_controller:main",
-            "simulate = booster_ros.programs.simulate:main",
-            "paper = booster_ros.programs.paper:main",
-            "demo = booster_ros.programs.demo:main",
+        'console_scripts': [
+            'positioner = booster_ros.nodes.positioner:main',
+            'fake_controller = booster_ros.nodes.fake_controller:main',
+            'simulate = booster_ros.programs.simulate:main',
+            'paper = booster_ros.programs.paper:main',
+            'demo = booster_ros.programs.demo:main',
         ],
     },
 )

@@ -4,20 +4,20 @@
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
+import sys
 
 # Name → (module with `main(args) -> int`, what it does). setup.py installs the same names.
 PROGRAMS = {
-    "positioner": ("booster_ros.nodes.positioner", "the node: a simulated valve positioner"),
-    "fake_controller": (
-        "booster_ros.nodes.fake_controller",
-        "a node that plays a current profile or closes the position loop, and can record",
+    'positioner': ('booster_ros.nodes.positioner', 'the node: a simulated valve positioner'),
+    'fake_controller': (
+        'booster_ros.nodes.fake_controller',
+        'a node that plays a current profile or closes the position loop, and can record',
     ),
-    "simulate": ("booster_ros.programs.simulate", "run the model over a table of currents"),
-    "paper": ("booster_ros.programs.paper", "reproduce the paper's tables and identification"),
-    "demo": (
-        "booster_ros.programs.demo",
+    'simulate': ('booster_ros.programs.simulate', 'run the model over a table of currents'),
+    'paper': ('booster_ros.programs.paper', "reproduce the paper's tables and identification"),
+    'demo': (
+        'booster_ros.programs.demo',
         "the paper's step responses over real topics, with its figures beside ours and a plot",
     ),
 }
@@ -26,15 +26,15 @@ PROGRAMS = {
 def usage() -> str:
     """Return the list of programs."""
     width = max(map(len, PROGRAMS))
-    lines = [f"  {name:{width}}  {purpose}" for name, (_, purpose) in PROGRAMS.items()]
-    head = "usage: python -m booster_ros NAME [ARGUMENTS]\n\nprograms (each knows --help):"
-    return "\n".join([head, *lines])
+    lines = [f'  {name:{width}}  {purpose}' for name, (_, purpose) in PROGRAMS.items()]
+    head = 'usage: python -m booster_ros NAME [ARGUMENTS]\n\nprograms (each knows --help):'
+    return '\n'.join([head, *lines])
 
 
 def main(args: list[str] | None = None) -> int:
     """Start the named program with the remaining arguments and return its exit status."""
     args = sys.argv[1:] if args is None else args
-    if args and args[0] in ("-h", "--help"):
+    if args and args[0] in ('-h', '--help'):
         print(usage())
         return 0
     if not args:
@@ -42,12 +42,12 @@ def main(args: list[str] | None = None) -> int:
         return 2
     name, *rest = args
     if name not in PROGRAMS:
-        known = ", ".join(PROGRAMS)
+        known = ', '.join(PROGRAMS)
         print(f"booster_ros: no program is called '{name}'; there are {known}", file=sys.stderr)
         return 2
     program = import_module(PROGRAMS[name][0])
     return int(program.main(rest))
 
 
-if __name__ == "__main__":
+if __name__ == '__main__':
     sys.exit(main())

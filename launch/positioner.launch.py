@@ -13,38 +13,38 @@ from launch_ros.substitutions import FindPackageShare
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments (``ros2 launch … --show-args`` lists them) and start the node."""
     default_params = PathJoinSubstitution(
-        [FindPackageShare("booster_ros"), "config", "positioner.yaml"]
+        [FindPackageShare('booster_ros'), 'config', 'positioner.yaml']
     )
     return LaunchDescription(
         [
             DeclareLaunchArgument(
-                "params_file",
+                'params_file',
                 default_value=default_params,
-                description="ROS 2 parameter file of the positioner",
+                description='ROS 2 parameter file of the positioner',
             ),
             DeclareLaunchArgument(
-                "namespace", default_value="", description="namespace of the node and its topics"
+                'namespace', default_value='', description='namespace of the node and its topics'
             ),
             DeclareLaunchArgument(
-                "use_sim_time",
-                default_value="false",
-                choices=["true", "false"],
-                description="true: simulated seconds follow /clock",
+                'use_sim_time',
+                default_value='false',
+                choices=['true', 'false'],
+                description='true: simulated seconds follow /clock',
             ),
             Node(
-                package="booster_ros",
-                executable="positioner",
-                name="positioner",
-                namespace=LaunchConfiguration("namespace"),
+                package='booster_ros',
+                executable='positioner',
+                name='positioner',
+                namespace=LaunchConfiguration('namespace'),
                 parameters=[
-                    LaunchConfiguration("params_file"),
+                    LaunchConfiguration('params_file'),
                     {
-                        "use_sim_time": ParameterValue(
-                            LaunchConfiguration("use_sim_time"), value_type=bool
+                        'use_sim_time': ParameterValue(
+                            LaunchConfiguration('use_sim_time'), value_type=bool
                         )
                     },
                 ],
-                output="screen",
+                output='screen',
             ),
         ]
     )

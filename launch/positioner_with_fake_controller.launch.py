@@ -12,32 +12,32 @@ from launch_ros.substitutions import FindPackageShare
 
 def generate_launch_description() -> LaunchDescription:
     """Add a controller to positioner.launch.py, whose arguments hold here as well."""
-    share = FindPackageShare("booster_ros")
+    share = FindPackageShare('booster_ros')
     return LaunchDescription(
         [
             IncludeLaunchDescription(
-                PathJoinSubstitution([share, "launch", "positioner.launch.py"])
+                PathJoinSubstitution([share, 'launch', 'positioner.launch.py'])
             ),
             DeclareLaunchArgument(
-                "controller_params_file",
-                default_value=PathJoinSubstitution([share, "config", "fake_controller.yaml"]),
-                description="ROS 2 parameter file of the fake controller",
+                'controller_params_file',
+                default_value=PathJoinSubstitution([share, 'config', 'fake_controller.yaml']),
+                description='ROS 2 parameter file of the fake controller',
             ),
             Node(
-                package="booster_ros",
-                executable="fake_controller",
-                name="fake_controller",
-                namespace=LaunchConfiguration("namespace"),
+                package='booster_ros',
+                executable='fake_controller',
+                name='fake_controller',
+                namespace=LaunchConfiguration('namespace'),
                 parameters=[
-                    LaunchConfiguration("controller_params_file"),
+                    LaunchConfiguration('controller_params_file'),
                     {
-                        "use_sim_time": ParameterValue(
-                            LaunchConfiguration("use_sim_time"), value_type=bool
+                        'use_sim_time': ParameterValue(
+                            LaunchConfiguration('use_sim_time'), value_type=bool
                         )
                     },
                 ],
-                output="screen",
-                on_exit=Shutdown(reason="the profile has been played"),
+                output='screen',
+                on_exit=Shutdown(reason='the profile has been played'),
             ),
         ]
     )

@@ -11,17 +11,17 @@ from launch_ros.substitutions import FindPackageShare
 def generate_launch_description() -> LaunchDescription:
     """Include positioner.launch.py twice; params_file and use_sim_time hold for both."""
     actions = []
-    for argument, default in (("first_namespace", "valve_1"), ("second_namespace", "valve_2")):
+    for argument, default in (('first_namespace', 'valve_1'), ('second_namespace', 'valve_2')):
         actions += [
-            DeclareLaunchArgument(argument, default_value=default, description="namespace"),
+            DeclareLaunchArgument(argument, default_value=default, description='namespace'),
             # A group of its own, so that the namespace of one does not reach the other.
             GroupAction(
                 [
                     IncludeLaunchDescription(
                         PathJoinSubstitution(
-                            [FindPackageShare("booster_ros"), "launch", "positioner.launch.py"]
+                            [FindPackageShare('booster_ros'), 'launch', 'positioner.launch.py']
                         ),
-                        launch_arguments={"namespace": LaunchConfiguration(argument)}.items(),
+                        launch_arguments={'namespace': LaunchConfiguration(argument)}.items(),
                     )
                 ]
             ),

@@ -16,18 +16,18 @@ import argparse
 import fcntl
 import hashlib
 import os
+from pathlib import Path
 import platform
 import shutil
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-REQUIREMENTS = ROOT / "requirements"
-ENVIRONMENT = ROOT / ".venv"
-PYTHON = ENVIRONMENT / "bin" / "python"
-LAYERS = ("run", "test")  # each needs the ones before it
+REQUIREMENTS = ROOT / 'requirements'
+ENVIRONMENT = ROOT / '.venv'
+PYTHON = ENVIRONMENT / 'bin' / 'python'
+LAYERS = ('run', 'test')  # each needs the ones before it
 OLDEST_PYTHON = (3, 10)
 
 
@@ -37,10 +37,10 @@ class SetupError(Exception):
 
 def sourced_ros() -> str | None:
     """Return the name of the sourced ROS 2 distribution that this Python can import, if any."""
-    distribution = os.environ.get("ROS_DISTRO")
+    distribution = os.environ.get('ROS_DISTRO')
     if not distribution:
         return None
-    probe = subprocess.run([sys.executable, "-c", "import rclpy"], capture_output=True, check=False)
+    probe = subprocess.run([sys.executable, '-c', 'import rclpy'], capture_output=True, check=False)
     return distribution if probe.returncode == 0 else None
 
 
@@ -48,62 +48,62 @@ def check_wheels_exist() -> None:
     """Refuse a machine for which ROS 2 has no wheels."""
     if sys.version_info < OLDEST_PYTHON:
         found = platform.python_version()
-        raise SetupError(f"Python 3.10 or newer is needed, this is {found}")
-    machine = f"{platform.system()} {platform.machine()}"
-    if machine != "Linux x86_64":
+        raise SetupError(f'Python 3.10 or newer is needed, this is {found}')
+    machine = f'{platform.system()} {platform.machine()}'
+    if machine != 'Linux x86_64':
         raise SetupError(
-            f"the ROS 2 wheels are for Linux x86_64, this is {machine}: source a ROS 2 installation"
+            f'the ROS 2 wheels are for Linux x86_64, this is {machine}: source a ROS 2 installation'
         )
 
 
 def wanted_packages(layer: str, ros: str | None) -> list[str]:
     """Return pip's arguments for one layer: the pins, or beside a ROS 2 the bare names."""
-    suffix = "in" if ros else "txt"
-    lines = (REQUIREMENTS / f"{layer}.{suffix}").read_text().splitlines()
-    packages = [line.strip() for line in lines if line.strip() and line[0] not in "#-"]
-    return [name for name in packages if not (ros and name.startswith("ros-"))]
+    suffix = 'in' if ros else 'txt'
+    lines = (REQUIREMENTS / f'{layer}.{suffix}').read_text().splitlines()
+    packages = [line.strip() for line in lines if line.strip() and line[0] not in '#-']
+    return [name for name in packages if not (ros and name.startswith('ros-'))]
 
 
 def fingerprint(packages: list[str], ros: str | None) -> str:
     """Return what a finished layer's stamp says; another one means that it is out of date."""
-    text = "\n".join([sys.version, sys.executable, ros or "wheels", *packages])
+    text = '\n'.join([sys.version, sys.executable, ros or 'wheels', *packages])
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def create_environment(ros: str | None) -> None:
     """Create an empty environment in place of what is there."""
     shutil.rmtree(ENVIRONMENT, ignore_errors=True)
-    beside_ros = ["--system-site-packages"] if ros else []
+    beside_ros = ['--system-site-packages'] if ros else []
     made = subprocess.run(
-        [sys.executable, "-m", "venv", *beside_ros, str(ENVIRONMENT)],
+        [sys.executable, '-m', 'venv', *beside_ros, str(ENVIRONMENT)],
         capture_output=True,
         text=True,
         check=False,
     )
     if made.returncode != 0:
         raise SetupError(
-            "python3 -m venv failed (on Debian and Ubuntu it needs the package python3-venv): "
-            + " ".join((made.stdout + made.stderr).split())
+            'python3 -m venv failed (on Debian and Ubuntu it needs the package python3-venv): '
+            + ' '.join((made.stdout + made.stderr).split())
         )
 
 
 def numpy_of_ros() -> list[str]:
     """Return the constraint that keeps the numpy for which ROS 2's messages are compiled."""
     found = subprocess.run(
-        [str(PYTHON), "-c", "import numpy; print(numpy.__version__)"],
+        [str(PYTHON), '-c', 'import numpy; print(numpy.__version__)'],
         capture_output=True,
         text=True,
         check=False,
     )
-    return [f"numpy=={found.stdout.strip()}"] if found.returncode == 0 else []
+    return [f'numpy=={found.stdout.strip()}'] if found.returncode == 0 else []
 
 
 def install(packages: list[str], ros: str | None) -> None:
     """Install the packages and show how far it is."""
-    pins = [] if ros else ["--no-deps"]  # the pins name every dependency already
+    pins = [] if ros else ['--no-deps']  # the pins name every dependency already
     constraint = numpy_of_ros() if ros else []
-    command = [str(PYTHON), "-m", "pip", "install", "--no-compile", "--progress-bar=off", *pins]
-    command += ["--disable-pip-version-check", *packages, *constraint]
+    command = [str(PYTHON), '-m', 'pip', 'install', '--no-compile', '--progress-bar=off', *pins]
+    command += ['--disable-pip-version-check', *packages, *constraint]
     output = []
     seen = 0
     with subprocess.Popen(
@@ -112,15 +112,15 @@ def install(packages: list[str], ros: str | None) -> None:
         assert pip.stdout is not None
         for line in pip.stdout:
             output.append(line)
-            if line.startswith(("Collecting", "Requirement already")):
+            if line.startswith(('Collecting', 'Requirement already')):
                 seen += 1
                 if seen % 20 == 0:
-                    print(f"  {seen} of {len(packages)} packages fetched", flush=True)
-            elif line.startswith("Installing"):
-                print("  unpacking them", flush=True)
+                    print(f'  {seen} of {len(packages)} packages fetched', flush=True)
+            elif line.startswith('Installing'):
+                print('  unpacking them', flush=True)
     if pip.returncode != 0:
         sys.stderr.writelines(output[-20:])
-        raise SetupError("pip could not install the packages, see above")
+        raise SetupError('pip could not install the packages, see above')
 
 
 def prepare(layer: str) -> None:
@@ -130,39 +130,39 @@ def prepare(layer: str) -> None:
         check_wheels_exist()
     for name in LAYERS[: LAYERS.index(layer) + 1]:
         packages = wanted_packages(name, ros)
-        stamp = ENVIRONMENT / f"{name}.complete"
+        stamp = ENVIRONMENT / f'{name}.complete'
         mark = fingerprint(packages, ros)
         if stamp.is_file() and stamp.read_text() == mark:
             continue
         start = time.monotonic()
-        purpose = f"to {name}" + (f" beside ROS 2 {ros}" if ros else "")
-        print(f"Installing into .venv {len(packages)} packages {purpose}", flush=True)
+        purpose = f'to {name}' + (f' beside ROS 2 {ros}' if ros else '')
+        print(f'Installing into .venv {len(packages)} packages {purpose}', flush=True)
         if name == LAYERS[0]:
             create_environment(ros)
         install(packages, ros)
         stamp.write_text(mark)
-        print(f"  done in {time.monotonic() - start:.0f} s", flush=True)
+        print(f'  done in {time.monotonic() - start:.0f} s', flush=True)
 
 
 def main() -> int:
     """Prepare the layer named on the command line."""
-    parser = argparse.ArgumentParser(description="Make .venv for the demo or the tests.")
-    parser.add_argument("layer", choices=LAYERS)
+    parser = argparse.ArgumentParser(description='Make .venv for the demo or the tests.')
+    parser.add_argument('layer', choices=LAYERS)
     layer = parser.parse_args().layer
     lock = os.open(REQUIREMENTS, os.O_RDONLY)
     fcntl.flock(lock, fcntl.LOCK_EX)  # a second make in the same folder waits for the first
     try:
         prepare(layer)
     except SetupError as failure:
-        print(f"prepare_environment: {failure}", file=sys.stderr)
+        print(f'prepare_environment: {failure}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("prepare_environment: interrupted; the next run starts it again", file=sys.stderr)
+        print('prepare_environment: interrupted; the next run starts it again', file=sys.stderr)
         return 130
     finally:
         os.close(lock)
     return 0
 
 
-if __name__ == "__main__":
+if __name__ == '__main__':
     sys.exit(main())

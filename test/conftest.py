@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
+import os
 from typing import TYPE_CHECKING
 
 import pytest
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 # Before anything initialises rclpy; kept for as long as the process lives.
 _DOMAIN = claim_domain()
-os.environ["ROS_DOMAIN_ID"] = str(_DOMAIN.id)
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ['ROS_DOMAIN_ID'] = str(_DOMAIN.id)
+os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 # Programs under test must not open windows, nor colour what they print.
-os.environ["MPLBACKEND"] = "Agg"
-os.environ["RCUTILS_COLORIZED_OUTPUT"] = "0"
+os.environ['MPLBACKEND'] = 'Agg'
+os.environ['RCUTILS_COLORIZED_OUTPUT'] = '0'
 
 
 def pytest_unconfigure() -> None:
@@ -29,7 +29,7 @@ def pytest_unconfigure() -> None:
     _DOMAIN.release()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope='session')
 def ros_domain() -> int:
     """Return the domain id of this test process (clients other than rclpy must be told)."""
     return _DOMAIN.id

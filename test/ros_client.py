@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+import time
 from types import TracebackType
 from typing import Any
 
@@ -17,7 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 class RosClient:
     """A node with a context of its own; use it as a context manager."""
 
-    def __init__(self, name: str = "test_client"):
+    def __init__(self, name: str = 'test_client'):
         """Join the domain that ROS_DOMAIN_ID names."""
         self._context = Context()
         rclpy.init(context=self._context)
@@ -35,7 +35,7 @@ class RosClient:
         """
         end = time.monotonic() + timeout
         while not done():
-            assert time.monotonic() < end, f"nothing came of it in {timeout} s"
+            assert time.monotonic() < end, f'nothing came of it in {timeout} s'
             self._executor.spin_once(timeout_sec=0.05)
 
     def listen(self, topic: str, kind: type, depth: int = 1000) -> list[Any]:

@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 import os
+from pathlib import Path
 import re
 import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping, Sequence
-from pathlib import Path
 from types import TracebackType
 from typing import IO
 
@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def program(name: str, *arguments: str) -> list[str]:
     """Return the command that starts one of the package's programs from the source tree."""
-    return [sys.executable, "-m", "booster_ros", name, *arguments]
+    return [sys.executable, '-m', 'booster_ros', name, *arguments]
 
 
 class RosProcess:
@@ -37,7 +37,7 @@ class RosProcess:
     def __init__(self, command: Sequence[str], environment: Mapping[str, str] | None = None):
         """Start the command at the root of the sources, in this environment or the given one."""
         environment = dict(os.environ if environment is None else environment)
-        environment["PYTHONUNBUFFERED"] = "1"
+        environment['PYTHONUNBUFFERED'] = '1'
         self._process = subprocess.Popen(
             list(command),
             cwd=ROOT,
@@ -66,7 +66,7 @@ class RosProcess:
         with stream:
             for line in stream:
                 with self._news:
-                    lines.append(line.rstrip("\n"))
+                    lines.append(line.rstrip('\n'))
                     self._news.notify_all()
         with self._news:
             self._news.notify_all()
@@ -74,7 +74,7 @@ class RosProcess:
     @property
     def output(self) -> str:
         """Everything printed so far: what went to stdout, then what went to stderr."""
-        return "\n".join([*self.stdout, *self.stderr])
+        return '\n'.join([*self.stdout, *self.stderr])
 
     def _find(self, pattern: str) -> str | None:
         return next((line for line in self.stdout + self.stderr if re.search(pattern, line)), None)
@@ -93,7 +93,7 @@ class RosProcess:
         with self._news:
             self._news.wait_for(lambda: self._find(pattern) or self._over(), timeout)
             line = self._find(pattern)
-        assert line is not None, f"no line with {pattern!r} in:\n{self.output}"
+        assert line is not None, f'no line with {pattern!r} in:\n{self.output}'
         return line
 
     def send(self, number: signal.Signals) -> None:
@@ -111,7 +111,7 @@ class RosProcess:
         try:
             status = self._process.wait(timeout)
         except subprocess.TimeoutExpired:
-            raise AssertionError(f"still running after {timeout} s:\n{self.output}") from None
+            raise AssertionError(f'still running after {timeout} s:\n{self.output}') from None
         for reader in self._readers:
             reader.join(timeout)
         return status

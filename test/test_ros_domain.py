@@ -29,10 +29,10 @@ def test_claims_of_one_process_differ():
 
 
 def test_claims_of_several_processes_differ_and_end_with_them():
-    ids = [int(os.environ["ROS_DOMAIN_ID"])]
+    ids = [int(os.environ['ROS_DOMAIN_ID'])]
     others = [
         subprocess.Popen(
-            [sys.executable, "-c", CLAIM_AND_WAIT],
+            [sys.executable, '-c', CLAIM_AND_WAIT],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -41,7 +41,7 @@ def test_claims_of_several_processes_differ_and_end_with_them():
     ]
     ids += [int(other.stdout.readline()) for other in others]
     for other in others:
-        other.communicate("\n")
+        other.communicate('\n')
     assert len(set(ids)) == 5
 
 
@@ -51,8 +51,8 @@ def test_a_domain_in_which_a_participant_listens_is_not_claimed():
     context = Context()
     rclpy.init(context=context, domain_id=domain.id)
     try:
-        listener = rclpy.create_node("listener", context=context)
-        with pytest.raises(RuntimeError, match=f"{domain.id}"):
+        listener = rclpy.create_node('listener', context=context)
+        with pytest.raises(RuntimeError, match=f'{domain.id}'):
             claim_domain(among=[domain.id])
         listener.destroy_node()
     finally:

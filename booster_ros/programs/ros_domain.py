@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-import random
-import socket
 from collections.abc import Sequence
 from dataclasses import dataclass
+import random
+import socket
 
 # Above 101 the ports of a domain fall into Linux's ephemeral range.
 DOMAINS = range(1, 102)
@@ -44,22 +44,20 @@ def claim_domain(among: Sequence[int] = DOMAINS) -> ClaimedDomain:
         claim = _bind(socket.SOCK_STREAM, _FIRST_CLAIM_PORT + domain)
         if claim is None:
             continue
-        participant = _bind(
-            socket.SOCK_DGRAM, _FIRST_PARTICIPANT_PORT + _PORTS_PER_DOMAIN * domain
-        )
+        participant = _bind(socket.SOCK_DGRAM, _FIRST_PARTICIPANT_PORT + _PORTS_PER_DOMAIN * domain)
         if participant is None:
             claim.close()
             continue
         participant.close()
         return ClaimedDomain(domain, claim)
-    raise RuntimeError(f"the ROS domains {min(among)} to {max(among)} are all in use here")
+    raise RuntimeError(f'the ROS domains {min(among)} to {max(among)} are all in use here')
 
 
 def _bind(kind: socket.SocketKind, port: int) -> socket.socket | None:
     """Return a socket bound to the port, or None where somebody else has it."""
     bound = socket.socket(socket.AF_INET, kind)
     try:
-        bound.bind(("", port))
+        bound.bind(('', port))
     except OSError:
         bound.close()
         return None
