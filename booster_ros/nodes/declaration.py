@@ -1,0 +1,164 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Declare the parameters of the table in a node, and watch over their changes."""
+
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, Mapping, TypeVar
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from ..model.parameters import Description, ParameterError
+from ..model.quantity import Quantity
+from ..parameters.schema import (
+    ALL_DESCRIPTIONS, READ_ONLY, Parameters, belongs_to_ros, check, checked)
+from ..parameters.sections import is_for, read_sections
+
+Checked = TypeVar('Checked')
+
+
+def declare(node: Node) -> Parameters:
+    """Declare the positioner's parameters, see `declare_table`."""
+    return declare_table(node, ALL_DESCRIPTIONS, READ_ONLY, checked, check)
+
+
+def declare_table(
+    node: Node,
+    descriptions: Mapping[str, Description],
+    read_only: Collection[str],
+    checked: Callable[[str, Any], Any],
+    check: Callable[[Mapping[str, Any]], Checked],
+) -> Checked:
+    """
+    Declare every parameter with its descriptor, and return what the node was given, checked.
+
+    `checked` returns one value in the kind that is declared, `check` all of them together. The node
+    must have been made with `automatically_declare_parameters_from_overrides`, which shows all that
+    it was given, misspelt names as well. ParameterError before any is declared.
+    """
+    given = {
+        name: parameter.value
+        for name, parameter in node.get_parameters_by_prefix('').items()
+        if not belongs_to_ros(name)
+    }
+    parameters = check(given)
+    for name in given:
+        node.undeclare_parameter(name)
+    for name, description in descriptions.items():
+        value = checked(name, given.get(name, description.default))
+        node.declare_parameter(
+            name, list(value) if isinstance(value, tuple) else value,
+            descriptor(description, name in read_only), ignore_override=True)
+    return parameters
+
+
+def descriptor(description: Description, read_only: bool = False) -> ParameterDescriptor:
+    """Return what `ros2 param describe` shows of a parameter."""
+    limits = f'{description.low:g} to {description.high:g} {description.unit}'
+    if description.choices:
+        limits = f'one of {", ".join(description.choices)}'
+    elif isinstance(description.default, bool):
+        limits = 'true or false'
+    made = ParameterDescriptor(
+        description=f'{description.meaning} [{description.unit}]',
+        additional_constraints=f'{limits}; default: {description.source}',
+        read_only=read_only)
+    if isinstance(description.default, float):
+        made.floating_point_range = [
+            FloatingPointRange(from_value=description.low, to_value=description.high)]
+    return made
+
+
+class ParameterWatch:
+    """
+    Guards the changes of a node's declared parameters at run time.
+
+    A change that does not fit the other parameters is refused with the reason, and nothing of it
+    is kept. After one that fits, `changed` is called with all parameters, checked together.
+    Numbers are taken as they come: `400000` and `9e9` (which arrives as a text) for a float.
+    """
+
+    def __init__(self, node: Node, changed: Callable[[Parameters], None]) -> None:
+        self._node = node
+        self._changed = changed
+        self.changes = 0
+        """Changes so far."""
+        self.last_change = ''
+        """Names and values of the last change."""
+        node.add_pre_set_parameters_callback(
+            lambda proposed: [_as_declared(parameter) for parameter in proposed])
+        node.add_on_set_parameters_callback(self._validate)
+        node.add_post_set_parameters_callback(self._apply)
+
+    def _check(self, proposed: list[Parameter]) -> Parameters:
+        values = {name: self._node.get_parameter(name).value for name in ALL_DESCRIPTIONS}
+        values |= {p.name: p.value for p in proposed if p.name in ALL_DESCRIPTIONS}
+        return check(values)
+
+    def _validate(self, proposed: list[Parameter]) -> SetParametersResult:
+        try:
+            self._check(proposed)
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _apply(self, applied: list[Parameter]) -> None:
+        ours = [parameter for parameter in applied if parameter.name in ALL_DESCRIPTIONS]
+        if ours:
+            self.changes += 1
+            self.last_change = ', '.join(f'{p.name} = {_plain(p.value)}' for p in ours)
+            self._changed(self._check(ours))
+
+
+def _as_declared(parameter: Parameter) -> Parameter:
+    """Return the parameter with its numbers as floats where floats are declared."""
+    description = ALL_DESCRIPTIONS.get(parameter.name)
+    value = parameter.value
+    try:
+        if description is None or isinstance(value, bool):
+            return parameter
+        if isinstance(description.default, float) and isinstance(value, (int, str)):
+            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(value))
+        if isinstance(description.default, tuple) and not isinstance(value, str):
+            return Parameter(
+                parameter.name, Parameter.Type.DOUBLE_ARRAY, [float(item) for item in value])
+    except (ValueError, TypeError):
+        pass  # neither a number nor text of one: the type check says so
+    return parameter
+
+
+def _plain(value: Any) -> Any:
+    """Return arrays, as rclpy holds them, as lists."""
+    return list(value) if hasattr(value, '__len__') and not isinstance(value, str) else value
+
+
+def effective_values(parameters: dict[str, Any]) -> str:
+    """Return the values in force for people to read, a line for each component of the model."""
+    lines: dict[str, list[str]] = {}
+    for name, description in ALL_DESCRIPTIONS.items():
+        value = parameters[name]
+        default = description.default
+        plain = _plain(value)
+        is_default = plain == _plain(default)
+        if is_default and description.source == Quantity.source:
+            continue
+        component, _, field = name.rpartition('.')
+        mark = '' if is_default else '*'
+        lines.setdefault(component or 'node', []).append(f'{mark}{field} {plain}')
+    return '\n'.join(f'  {component}: {", ".join(texts)}' for component, texts in lines.items())
+
+
+def files_without_section(arguments: Sequence[str], node: str) -> list[tuple[str, str]]:
+    """
+    Return the parameter files on a command line that hold nothing for a node, with their sections.
+
+    ROS 2 says nothing about a file whose node names match no node.
+    """
+    found = []
+    for flag, path in zip(arguments, arguments[1:]):
+        if flag == '--params-file':
+            names = [section.node for section in read_sections(path)]
+            if not any(is_for(name, node) for name in names):
+                found.append((path, ', '.join(names)))
+    return found

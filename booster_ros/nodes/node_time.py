@@ -1,0 +1,40 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which clock the simulation follows: /clock if the node is told to, else a steady one."""
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+
+
+class NodeTime:
+    """
+    The time that ticks are counted on.
+
+    On wall time that is a steady clock: the system's clock may be set while the node runs, and
+    would take simulated time with it. Stamps of messages are the node's clock in any case.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node_clock = node.get_clock()
+        self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
+
+    @property
+    def follows_clock_topic(self) -> bool:
+        """Whether the time is that of /clock."""
+        return self._node_clock.ros_time_is_active
+
+    @property
+    def clock(self) -> Clock:
+        """The clock to create timers on."""
+        return self._node_clock if self.follows_clock_topic else self._steady_clock
+
+    def now(self) -> int:
+        """Return the time, ns; 0 as long as nothing has come on /clock."""
+        return self.clock.now().nanoseconds
+
+    def stamp_offset(self) -> int:
+        """Return what to add to a time of this clock to get the node's clock, ns."""
+        if self.follows_clock_topic:
+            return 0
+        return self._node_clock.now().nanoseconds - self._steady_clock.now().nanoseconds

@@ -1,0 +1,299 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The node `positioner`: a simulated electro-pneumatic valve positioner.
+
+Everything happens in one thread, between two ticks or in a tick: commands that arrive wait for the
+next tick, parameters change between ticks. `docs/node.md` describes topics, services, time.
+"""
+
+from collections.abc import Sequence
+import sys
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+from std_srvs.srv import SetBool, Trigger
+
+from ..model.simulation import Plant
+from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters
+from .command_guard import CommandGuard, CommandRules, Verdict
+from .declaration import ParameterWatch, declare, effective_values, files_without_section
+from .diagnostics import (
+    ClockState, Report, command_report, diagnostic_message, parameter_report, seconds,
+    time_report)
+from .node_time import NodeTime
+from .outputs import QUEUE_DEPTH, OutputPublishers
+from .process import run
+from .throttle import Throttle
+from .tick_clock import NANOSECONDS, TickClock, nanoseconds
+
+DESCRIPTION = 'Simulate an electro-pneumatic valve positioner as a ROS 2 node.'
+
+CATCH_UP_PIECE = 0.1
+"""Simulated seconds that are caught up before other callbacks have their turn."""
+
+DIAGNOSTIC_PERIOD = 1.0
+WARNING_PERIOD = 10.0
+DELIVERY_TIMEOUT = 1.0
+
+
+class Positioner(Node):
+    """Simulates the positioner on the node's clock; ParameterError for bad parameters."""
+
+    def __init__(self, arguments: Sequence[str]) -> None:
+        """Start with the parameters given; `arguments` is the command line, for warnings only."""
+        super().__init__('positioner', automatically_declare_parameters_from_overrides=True)
+        physical, settings = declare(self)
+        self._settings = settings
+        self._watch = ParameterWatch(self, self._on_parameters)
+        self.add_post_set_parameters_callback(self._on_clock_choice)
+        period = round(NANOSECONDS / settings.publish_rate)
+        step = nanoseconds(settings.integration_step)
+        self._plant = Plant(physical, step / NANOSECONDS)
+        self._guard = CommandGuard(_rules(settings))
+        self._ticks = TickClock(
+            period, step, nanoseconds(settings.max_catch_up),
+            piece=max(2, nanoseconds(CATCH_UP_PIECE) // period))
+        self._put_into_initial_state()
+        self._time = NodeTime(self)
+        self._started = False
+        self._paused = settings.start_paused
+        self._throttle = Throttle(nanoseconds(WARNING_PERIOD))
+
+        self._outputs = OutputPublishers(self)
+        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', QUEUE_DEPTH)
+        self._reported: tuple[int, ...] = ()
+        self._late_reported = self._bad_reported = 0
+        self._clock_reported = -1
+        self.create_subscription(Float64, 'control_current', self._on_command, QUEUE_DEPTH)
+        self.create_service(Trigger, '~/reset', self._on_reset)
+        self.create_service(SetBool, '~/pause', self._on_pause)
+        self.create_service(Trigger, '~/step', self._on_step)
+        self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics, clock=self._steady_clock)
+        self._catch_up = self.create_guard_condition(self._on_time)
+        self._start_timer()
+        self._announce(arguments)
+
+    def _announce(self, arguments: Sequence[str]) -> None:
+        for path, sections in files_without_section(arguments, self.get_fully_qualified_name()):
+            self.get_logger().warning(
+                f'{path} holds nothing for {self.get_fully_qualified_name()} '
+                f'(its sections: {sections}); `/**:` is for any node')
+        values = {name: self.get_parameter(name).value for name in ALL_DESCRIPTIONS}
+        self.get_logger().info(
+            f'parameters in force (* other than the default):\n{effective_values(values)}')
+        state = 'paused' if self._paused else 'running'
+        self.get_logger().info(
+            f'{state} on {"/clock" if self._time.follows_clock_topic else "wall time"}: '
+            f'{self._settings.publish_rate:g} ticks per second')
+
+    # Time
+
+    def _start_timer(self) -> None:
+        """Tick from now on, on the clock that the node follows now."""
+        self._begin()
+        self._timer = self.create_timer(1.0, self._on_time, clock=self._time.clock)
+        self._timer.timer_period_ns = self._ticks.period
+        self._timer.reset()
+        if self._paused:
+            self._timer.cancel()
+
+    def _begin(self) -> None:
+        """Owe nothing for the past. Simulated time shows 0 until something comes on /clock."""
+        now = self._time.now()
+        self._started = now > 0
+        self._ticks.start(now)
+
+    def _on_clock_choice(self, applied: list[Parameter]) -> None:
+        if any(parameter.name == 'use_sim_time' for parameter in applied):
+            self.destroy_timer(self._timer)
+            self._start_timer()
+
+    def _on_time(self) -> None:
+        """Run the ticks that are due."""
+        if self._paused:
+            return
+        if not self._started:
+            self._begin()
+            self._timer.reset()
+            self.get_logger().info('/clock has begun')
+            return
+        due = self._ticks.due(self._time.now())
+        if self._ticks.jump:
+            self._on_clock_jump()
+        self._run_ticks(due)
+        if self._ticks.backlog:
+            self._catch_up.trigger()
+
+    def _on_clock_jump(self) -> None:
+        self._timer.reset()
+        self.get_logger().warning(
+            f'the clock jumped by {self._ticks.jump / NANOSECONDS:+.3f} s: not simulated, the '
+            'state is kept')
+
+    def _run_ticks(self, count: int) -> None:
+        offset = self._time.stamp_offset()
+        for _ in range(count):
+            self._tick(offset)
+
+    def _tick(self, stamp_offset: int) -> None:
+        was_stale = self._guard.stale
+        current = self._guard.at_tick(self._ticks.simulated)
+        if self._guard.stale != was_stale:
+            self._on_stale_change()
+        moment = self._ticks.next_due
+        self._plant.advance(current, self._ticks.run_tick())
+        self._outputs.publish(self._plant.outputs(), moment + stamp_offset)
+
+    # Commands
+
+    def _on_command(self, message: Float64) -> None:
+        verdict = self._guard.offer(message.data)
+        if verdict.cause is None:
+            return
+        if self._throttle.passes(verdict.cause, self._steady_now()):
+            self.get_logger().warning(self._bad_command_text(message.data, verdict))
+        self._report_change()
+
+    def _bad_command_text(self, current: float, verdict: Verdict) -> str:
+        low, high = self._guard.rules.low, self._guard.rules.high
+        done = 'refused' if verdict.current is None else 'limited'
+        return (
+            f'control_current {current:g} A is {verdict.cause} (current_limits {low:g} to '
+            f'{high:g} A): {done}, {self._guard.current:g} A in force; {self._guard.bad} bad '
+            'commands so far')
+
+    def _on_stale_change(self) -> None:
+        rules = self._guard.rules
+        if not self._guard.stale:
+            self.get_logger().info('control_current is being commanded again')
+        elif self._throttle.passes('stale', self._steady_now()):
+            self.get_logger().warning(
+                f'control_current is older than command_timeout ({rules.command_timeout:g} s): '
+                f'{rules.stale_command}')
+        self._report_change()
+
+    def _steady_now(self) -> int:
+        return self._steady_clock.now().nanoseconds
+
+    # Parameters
+
+    def _on_parameters(self, parameters: Parameters) -> None:
+        self._settings = parameters.node
+        self._guard.rules = _rules(parameters.node)
+        self._ticks.max_catch_up = nanoseconds(parameters.node.max_catch_up)
+        if parameters.physical != self._plant.parameters:
+            self._plant.parameters = parameters.physical
+        self.get_logger().info(f'parameters changed: {self._watch.last_change}')
+        self._report()
+
+    # Services
+
+    def _put_into_initial_state(self) -> None:
+        state = self._settings.initial_state
+        self._plant.reset(state.chamber_pressure, state.valve_position, state.control_current)
+        self._guard.force(state.control_current)
+        self._ticks.reset()
+
+    def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._put_into_initial_state()
+        last_tick = self._ticks.next_due - self._ticks.period
+        self._outputs.publish(self._plant.outputs(), last_tick + self._time.stamp_offset())
+        self._report()
+        state = self._settings.initial_state
+        response.success = True
+        response.message = (
+            f'chamber_pressure {state.chamber_pressure:g} Pa, valve_position '
+            f'{self._plant.outputs().valve_position:g} m, control_current '
+            f'{state.control_current:g} A, simulated time 0 s')
+        return response
+
+    def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        response.success = True
+        response.message = 'paused' if request.data else 'running'
+        if request.data != self._paused:
+            self._paused = request.data
+            if self._paused:
+                self._timer.cancel()
+            else:
+                self._begin()
+                self._timer.reset()
+            self.get_logger().info(response.message)
+            self._report()
+        return response
+
+    def _on_step(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        if not self._paused:
+            response.message = 'only a paused positioner steps: call ~/pause with data: true first'
+            return response
+        count = self._settings.step_ticks
+        response.success = self._run_delivered(count)
+        response.message = f'{count} ticks, simulated time {seconds(self._ticks.simulated)} s'
+        if not response.success:
+            response.message += ', but a subscription did not take what was published in time'
+        return response
+
+    def _run_delivered(self, count: int) -> bool:
+        """Run ticks no faster than what they publish is received; False if it is not."""
+        delivered = True
+        while count > 0 and self.context.ok():
+            self._run_ticks(min(count, QUEUE_DEPTH))
+            count -= QUEUE_DEPTH
+            delivered = delivered and self._outputs.wait_until_delivered(
+                Duration(seconds=DELIVERY_TIMEOUT))
+        return delivered
+
+    # Diagnostics
+
+    def _reports(self) -> list[Report]:
+        now = self._time.now()
+        clock = ClockState(
+            self._time.follows_clock_topic, now > 0, now == self._clock_reported, self._paused)
+        return [
+            time_report(clock, self._ticks, self._late_reported),
+            command_report(self._guard, self._bad_reported),
+            parameter_report(self._watch.changes, self._watch.last_change),
+        ]
+
+    def _on_diagnostics(self) -> None:
+        self._report()
+        if self._time.follows_clock_topic and self._time.now() == 0 and self._throttle.passes(
+                'no /clock', self._steady_now()):
+            self.get_logger().warning(
+                'use_sim_time is true, but nothing has come on /clock: simulated time stands')
+        self._late_reported = self._ticks.late_ticks
+        self._bad_reported = self._guard.bad
+        self._clock_reported = self._time.now()
+
+    def _report(self) -> None:
+        reports = self._reports()
+        self._reported = tuple(report.level for report in reports)
+        self._diagnostics.publish(diagnostic_message(
+            reports, self.get_fully_qualified_name(), self.get_clock().now().to_msg()))
+
+    def _report_change(self) -> None:
+        """Report at once if something has become better or worse."""
+        if tuple(report.level for report in self._reports()) != self._reported:
+            self._report()
+
+
+def _rules(settings: NodeSettings) -> CommandRules:
+    low, high = settings.current_limits
+    return CommandRules(
+        low, high, settings.invalid_current, settings.command_timeout, settings.stale_command)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; `args` is the command line without the program's name."""
+    arguments = sys.argv[1:] if args is None else list(args)
+    return run('positioner', DESCRIPTION, lambda: Positioner(arguments), arguments)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

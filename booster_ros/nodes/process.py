@@ -1,0 +1,108 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The life of a node's process: start it, spin it, end it cleanly however it is told to."""
+
+import argparse
+from collections.abc import Callable, Sequence
+import re
+import signal
+import sys
+from types import FrameType
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.utilities import remove_ros_args
+
+from ..model.parameters import ParameterError
+
+DONE = 0
+BAD_INPUT = 2
+
+_EPILOG = 'Parameters, names and remappings follow --ros-args, as for any ROS 2 node.'
+_END_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+def run(
+    name: str, description: str | None, make_node: Callable[[], Node], arguments: Sequence[str]
+) -> int:
+    """
+    Spin the node that `make_node` returns until SIGINT, SIGTERM or shutdown; return the status.
+
+    Bad arguments and parameters (ParameterError of `make_node`) end with one sentence on stderr
+    and status 2. `name` and `description` are the program's for `--help`, `arguments` the command
+    line without the program's name.
+    """
+    startup = _Startup()
+    for number in _END_SIGNALS:
+        signal.signal(number, startup.interrupt)
+    try:
+        argparse.ArgumentParser(
+            prog=name, description=description, epilog=_EPILOG,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        ).parse_args(remove_ros_args([name, *arguments])[1:])
+        rclpy.init(args=[name, *arguments])
+    except rclpy_implementation.UnknownROSArgsError as error:
+        return _complain(name, f'unknown ROS arguments: {error}')
+    except rclpy_implementation.RCLError as error:
+        return _complain(name, _without_source_places(str(error)))
+    startup.over = True
+    executor = SingleThreadedExecutor()
+    try:
+        executor.add_node(make_node())
+        executor.spin()
+    except ExternalShutdownException:
+        pass
+    except ParameterError as error:
+        return _complain(name, str(error))
+    except Exception:
+        # rclpy raises all sorts where the context ends in the middle of something
+        if rclpy.ok():
+            raise
+    finally:
+        _ignore_signals()
+        _tear_down(executor)
+    return DONE
+
+
+class _Startup:
+    """
+    What SIGINT and SIGTERM do in Python: end the process until rclpy has them, then nothing.
+
+    From `rclpy.init` on rclpy's own handlers shut the context down, which ends the spinning.
+    Python's KeyboardInterrupt beside that would come in the middle of the end, and a second one
+    in the middle of cleaning up.
+    """
+
+    def __init__(self) -> None:
+        self.over = False
+
+    def interrupt(self, number: int, frame: FrameType | None) -> None:
+        """Handle a signal."""
+        if not self.over:
+            sys.exit(DONE)
+
+
+def _ignore_signals() -> None:
+    """Let further signals do nothing; unlike a handler of Python's, that holds to the very end."""
+    for number in _END_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _tear_down(executor: SingleThreadedExecutor) -> None:
+    nodes = executor.get_nodes()
+    executor.shutdown()
+    for node in nodes:
+        node.destroy_node()
+    rclpy.try_shutdown()
+
+
+def _complain(name: str, sentence: str) -> int:
+    print(f'{name}: {sentence}', file=sys.stderr)
+    return BAD_INPUT
+
+
+def _without_source_places(text: str) -> str:
+    """Return an error of rcl without the places in its own source code."""
+    return re.sub(r', at /[^,]*:\d+', '', text).removeprefix('failed to initialize rcl: ')

@@ -1,0 +1,138 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Parameter files: the standard ROS 2 format, read and written without ROS.
+
+The same file feeds the node (`--ros-args --params-file`), `simulate` and `close_loop`.
+"""
+
+import os
+from pathlib import Path
+import tempfile
+from typing import Any, Mapping, NamedTuple
+
+import yaml
+
+from ..model.parameters import (
+    DESCRIPTIONS, ParameterError, PositionerParameters, to_values, unknown_name)
+from ..model.quantity import Quantity
+from .schema import ALL_DESCRIPTIONS, belongs_to_ros, check, checked
+from .sections import ANY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
+
+
+class ParameterFile(NamedTuple):
+    """What a file holds for one node: the model's parameters and the node's own, checked."""
+
+    path: str
+    physical: dict[str, Any]
+    node: dict[str, Any]
+
+
+def read_parameter_file(path: str | Path, node: str = 'positioner') -> ParameterFile:
+    """
+    Return what a parameter file holds for a node, given by its name or its full name.
+
+    Sections for any node (`/**`) come first, those for this node override them. ParameterError
+    (one sentence naming file, line and parameter) for a file that cannot be read, misspelt or
+    unknown names, wrong kinds, ranges and contradictions, and when nothing in it is for the node.
+    """
+    values: dict[str, Any] = {}
+    for section in _sections_for(path, read_sections(path), node):
+        for name, value, line in section.entries:
+            if belongs_to_ros(name):
+                continue
+            try:
+                values[name] = _read_value(name, value)
+            except ParameterError as error:
+                raise ParameterError(f'{path}, line {line}: {error}') from None
+    try:
+        check(values)
+    except ParameterError as error:
+        raise ParameterError(f'{path}: {error}') from None
+    return ParameterFile(
+        str(path),
+        {name: value for name, value in values.items() if name in DESCRIPTIONS},
+        {name: value for name, value in values.items() if name not in DESCRIPTIONS})
+
+
+def _read_value(name: str, value: Any) -> Any:
+    if name not in ALL_DESCRIPTIONS:
+        raise ParameterError(unknown_name(name, ALL_DESCRIPTIONS))
+    return checked(name, value)
+
+
+def _sections_for(path: str | Path, sections: list[Section], node: str) -> list[Section]:
+    """Return the sections that a node reads, the general ones first."""
+    if '/' in node:
+        found = [section for section in sections if is_for(section.node, node)]
+    else:
+        found = [section for section in sections if section.node.rsplit('/', 1)[-1] in
+                 (node, *ANY_NODE)]
+    named = sorted({section.node for section in found if not _is_general(section)})
+    if len(named) > 1:
+        raise ParameterError(
+            f'{path}: has sections for {", ".join(named)}: more than one {node}')
+    if not found:
+        there = ', '.join(section.node for section in sections) or 'none'
+        raise ParameterError(f'{path}: has no section for {node} (sections: {there})')
+    return sorted(found, key=_is_general, reverse=True)
+
+
+def _is_general(section: Section) -> bool:
+    return any(part in ANY_NODE for part in section.node.split('/'))
+
+
+def write_parameter_file(
+    path: str | Path,
+    parameters: PositionerParameters,
+    heading: str = '',
+    comments: Mapping[str, str] | None = None,
+) -> None:
+    """
+    Write a parameter file for any positioner node, complete or not at all.
+
+    It holds every declared parameter, and of the effects what is not neutral. `heading` becomes
+    the comment above, `comments` (by dotted name) stand behind the units.
+    """
+    path = Path(path)
+    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
+    try:
+        with open(descriptor, 'w', encoding='utf-8') as stream:
+            stream.write(parameter_text(parameters, heading, comments or {}))
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def parameter_text(
+    parameters: PositionerParameters, heading: str, comments: Mapping[str, str]
+) -> str:
+    """Return the text of a parameter file, see `write_parameter_file`."""
+    lines = [f'# {line}'.rstrip() for line in heading.splitlines()]
+    lines += ['/**:', f'  {PARAMETERS_KEY}:']
+    component = ''
+    for name, value in to_values(parameters).items():
+        description = DESCRIPTIONS[name]
+        if value == description.default and description.source == Quantity.source:
+            continue
+        before, field = name.split('.', 1)
+        if before != component:
+            component = before
+            lines.append(f'    {component}:')
+        comment = '; '.join(text for text in (description.unit, comments.get(name, '')) if text)
+        lines.append(f'      {field}: {_scalar(value)}  # {comment}')
+    return '\n'.join(lines) + '\n'
+
+
+def _scalar(value: Any) -> str:
+    """Return a value as YAML; floats always with a point, which YAML 1.1 readers want."""
+    plain = list(value) if isinstance(value, tuple) else value
+    return yaml.safe_dump([plain], default_flow_style=True, width=10_000).strip()[1:-1]

@@ -1,0 +1,187 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The one table of all parameters: the model's (see `model.parameters`) and the node's own.
+
+The node declares them from here, files are checked against it, the documentation prints it.
+"""
+
+from typing import Any, Mapping, NamedTuple
+
+from ..model.parameters import (
+    DESCRIPTIONS, Description, ParameterError, PositionerParameters, checked_value, from_values,
+    unknown_name)
+
+REFUSE, LIMIT = 'refuse', 'limit'
+HOLD, VENT = 'hold', 'vent'
+
+NODE_DESCRIPTIONS: dict[str, Description] = {
+    description.name: description
+    for description in (
+        Description(
+            'publish_rate', 100.0, 'Hz', 'ticks per second, each of which publishes',
+            0.01, 10_000.0, 'fast enough to see the E/P lag of 34 ms'),
+        Description(
+            'integration_step', 1e-3, 's', 'interval of the integration, at most one tick',
+            1e-6, 0.1, 'error against the reference: docs/model.md'),
+        Description(
+            'max_catch_up', 60.0, 's', 'longest gap of the clock that is caught up; a longer one '
+            'is a jump of the clock, which is reported and not simulated',
+            0.0, 1e9, 'far beyond any late tick, short of a clock that is set'),
+        Description(
+            'start_paused', False, '-', 'wait for ~/step or ~/pause before the first tick',
+            0.0, 1.0, 'a positioner runs'),
+        Description(
+            'step_ticks', 1, '-', 'ticks that one call of ~/step advances', 1.0, 1e9,
+            'the finest lockstep'),
+        Description(
+            'current_limits', (0.0, 2e-3), 'A', 'lowest and highest current taken as valid',
+            -1.0, 1.0, 'the converter saturates at 0.74 mA, the paper goes up to 1.16 mA; a 4 to '
+            '20 mA loop current is above'),
+        Description(
+            'invalid_current', REFUSE, '-', 'what is done with a current outside the limits; '
+            'what is not finite is refused anyway', -1.0, 1.0,
+            'a command that cannot be meant is not followed', (REFUSE, LIMIT)),
+        Description(
+            'command_timeout', 0.0, 's', 'age in simulated time at which a command goes stale, '
+            '0 for never', 0.0, 1e9, 'a converter holds its current'),
+        Description(
+            'stale_command', HOLD, '-', 'what is done with a stale command: hold it, or vent '
+            '(zero current) until the next one', -1.0, 1.0, 'as without a timeout', (HOLD, VENT)),
+        Description(
+            'initial_state.chamber_pressure', 0.0, 'Pa', 'chamber pressure at the start and '
+            'after ~/reset', -1e5, 1e7, 'vented'),
+        Description(
+            'initial_state.valve_position', -1.0, 'm', 'valve position at the start and after '
+            '~/reset; negative: where the spring balances the pressure', -1.0, 10.0, 'at rest'),
+        Description(
+            'initial_state.control_current', 0.0, 'A', 'control current in force, and settled '
+            'at, at the start and after ~/reset', -1.0, 1.0, 'vented'),
+    )
+}
+"""The node's own parameters by name."""
+
+READ_ONLY = frozenset({'publish_rate', 'integration_step', 'start_paused'})
+"""Parameters that have their value for the life of the node."""
+
+ALL_DESCRIPTIONS: dict[str, Description] = {**NODE_DESCRIPTIONS, **DESCRIPTIONS}
+"""Every parameter that a parameter file may hold for the positioner."""
+
+ROS_PARAMETERS = ('use_sim_time', 'start_type_description_service')
+"""Parameters that every ROS 2 node has of its own."""
+
+ROS_PREFIX = 'qos_overrides.'
+"""Parameters below this name belong to ROS 2 itself as well."""
+
+_NANOSECOND = 1e-9
+
+
+class InitialState(NamedTuple):
+    """Chamber pressure (gauge, Pa), position (m, None: balanced) and settled current (A)."""
+
+    chamber_pressure: float
+    valve_position: float | None
+    control_current: float
+
+
+class NodeSettings(NamedTuple):
+    """The node's own parameters, checked; names and units as in `NODE_DESCRIPTIONS`."""
+
+    publish_rate: float
+    integration_step: float
+    max_catch_up: float
+    start_paused: bool
+    step_ticks: int
+    current_limits: tuple[float, float]
+    invalid_current: str
+    command_timeout: float
+    stale_command: str
+    initial_state: InitialState
+
+
+class Parameters(NamedTuple):
+    """All parameters of a positioner node, checked together."""
+
+    physical: PositionerParameters
+    node: NodeSettings
+
+
+def belongs_to_ros(name: str) -> bool:
+    """Tell whether a parameter is one of ROS 2 itself, that any node may be given."""
+    return name in ROS_PARAMETERS or name.startswith(ROS_PREFIX)
+
+
+def check(values: Mapping[str, Any]) -> Parameters:
+    """
+    Return all parameters from dotted names and values; what is missing has its default.
+
+    Raise ParameterError, one sentence naming the parameter, for an unknown name, a wrong kind or
+    range, and values that contradict each other.
+    """
+    for name in values:
+        if name not in ALL_DESCRIPTIONS:
+            raise ParameterError(unknown_name(name, ALL_DESCRIPTIONS))
+    physical = from_values({n: v for n, v in values.items() if n in DESCRIPTIONS})
+    node = _node_settings({n: v for n, v in values.items() if n in NODE_DESCRIPTIONS})
+    if (node.initial_state.valve_position or 0.0) > physical.actuator.travel:
+        raise ParameterError(
+            f'initial_state.valve_position ({node.initial_state.valve_position:g} m) must not be '
+            f'beyond actuator.travel ({physical.actuator.travel:g} m)')
+    return Parameters(physical, node)
+
+
+def checked(name: str, value: Any) -> Any:
+    """
+    Return one value as ROS 2 and a file hold it: float, int, bool, word or tuple of floats.
+
+    Integers are taken where a float is meant. ParameterError where kind or range is wrong.
+    """
+    return checked_as(ALL_DESCRIPTIONS[name], value)
+
+
+def checked_as(description: Description, value: Any) -> Any:
+    """Return a value of the kind and range that a description asks for, see `checked`."""
+    name, default = description.name, description.default
+    if isinstance(default, bool):
+        if not isinstance(value, bool):
+            raise ParameterError(f'{name} must be true or false, got {value!r}')
+        return value
+    if isinstance(default, int):
+        if isinstance(value, bool) or not isinstance(value, int) or value < description.low:
+            raise ParameterError(
+                f'{name} must be a whole number from {description.low:g} on, got {value!r}')
+        return value
+    result = checked_value(description, value)
+    return description.choices[result] if description.choices else result
+
+
+def _node_settings(values: Mapping[str, Any]) -> NodeSettings:
+    known = {
+        name: checked(name, values.get(name, description.default))
+        for name, description in NODE_DESCRIPTIONS.items()
+    }
+    position = known.pop('initial_state.valve_position')
+    initial = InitialState(
+        known.pop('initial_state.chamber_pressure'), None if position < 0.0 else position,
+        known.pop('initial_state.control_current'))
+    settings = NodeSettings(initial_state=initial, **known)
+    _check_consistent(settings)
+    return settings
+
+
+def _check_consistent(settings: NodeSettings) -> None:
+    step, period = settings.integration_step, 1.0 / settings.publish_rate
+    low, high = settings.current_limits
+    if step > period * (1.0 + 1e-9):
+        raise ParameterError(
+            f'integration_step ({step:g} s) must not be longer than a tick, {period:g} s at a '
+            f'publish_rate of {settings.publish_rate:g} Hz')
+    if abs(step / _NANOSECOND - round(step / _NANOSECOND)) > 1e-3:
+        raise ParameterError(
+            f'integration_step ({step!r} s) must be a whole number of nanoseconds')
+    if not low < high:
+        raise ParameterError(f'current_limits must rise, got [{low:g}, {high:g}] A')
+    if not low <= settings.initial_state.control_current <= high:
+        raise ParameterError(
+            f'initial_state.control_current ({settings.initial_state.control_current:g} A) must '
+            f'be within current_limits [{low:g}, {high:g}] A')

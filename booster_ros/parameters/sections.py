@@ -1,0 +1,139 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The layout of a ROS 2 parameter file: which node each section is for, and what it holds.
+
+A file is read as rcl reads it, which differs from YAML 1.1 in one point that matters here: `5e8`
+is a number. Line numbers are kept, so that whoever complains can say where.
+"""
+
+from pathlib import Path
+import re
+from typing import Any, Iterator, NamedTuple
+
+import yaml
+
+from ..model.parameters import ParameterError
+
+PARAMETERS_KEY = 'ros__parameters'
+ANY_NODE = ('*', '**')
+
+
+class Entry(NamedTuple):
+    """One parameter of a file: dotted name, value, and the line (from 1) that it stands on."""
+
+    name: str
+    value: Any
+    line: int
+
+
+class Section(NamedTuple):
+    """What a file holds for the node or nodes that `node` names, such as `/**` or `/a/positioner`."""
+
+    node: str
+    entries: tuple[Entry, ...]
+
+
+class _Loader(yaml.SafeLoader):
+    """The safe loader that takes `5e8` for a number, as rcl does."""
+
+
+_Loader.add_implicit_resolver(
+    'tag:yaml.org,2002:float',
+    re.compile(r'^[-+]?(?:[0-9]+|[0-9]+\.[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+$'),
+    list('-+.0123456789'),
+)
+
+
+def read_sections(path: str | Path) -> list[Section]:
+    """Return the sections of a parameter file; ParameterError names the file and the line."""
+    try:
+        text = Path(path).read_text(encoding='utf-8')
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else 'it is not text in UTF-8'
+        raise ParameterError(f'{path}: cannot be read: {reason}') from None
+    try:
+        loader = _Loader(text)
+        return list(_sections(loader, loader.get_single_node(), ''))
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = f', line {mark.line + 1}' if mark is not None else ''
+        raise ParameterError(f'{path}{place}: not YAML: {error.problem}') from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise ParameterError(f'{path}: not YAML: {error}') from None
+    except _LayoutError as error:
+        raise ParameterError(f'{path}{error}') from None
+
+
+class _LayoutError(Exception):
+    """YAML, but not a ROS 2 parameter file; the text goes behind the file's name."""
+
+    def __init__(self, line: int | None, problem: str) -> None:
+        super().__init__(f'{"" if line is None else f", line {line}"}: {problem}')
+
+
+def _line(node: yaml.Node | None) -> int | None:
+    return None if node is None else node.start_mark.line + 1
+
+
+def _sections(loader: _Loader, node: yaml.Node | None, name: str) -> Iterator[Section]:
+    if not isinstance(node, yaml.MappingNode):
+        raise _LayoutError(
+            _line(node), f'a ROS 2 parameter file has `/**:`, `{PARAMETERS_KEY}:` and the parameters '
+            'below each other')
+    for key_node, value in node.value:
+        key = str(loader.construct_object(key_node))
+        if key == PARAMETERS_KEY:
+            if not name:
+                raise _LayoutError(
+                    _line(key_node), f'`{PARAMETERS_KEY}:` belongs below a node name, or `/**:` '
+                    'for any node')
+            yield Section(name, tuple(_checked(_entries(loader, value, ''))))
+        else:
+            yield from _sections(loader, value, f'{name}/{key.strip("/")}')
+
+
+def _entries(loader: _Loader, node: yaml.Node, name: str) -> Iterator[Entry]:
+    if not isinstance(node, yaml.MappingNode):
+        value = loader.construct_object(node, deep=True)
+        if not name:
+            raise _LayoutError(_line(node), f'`{PARAMETERS_KEY}:` holds no parameters')
+        if value is None:
+            raise _LayoutError(_line(node), f'{name} has no value')
+        if isinstance(value, list) and len({type(item) for item in value}) > 1:
+            raise _LayoutError(
+                _line(node), f'{name} mixes types, which ROS 2 does not read: write 1.0 for 1 in '
+                'a list of numbers')
+        yield Entry(name, value, node.start_mark.line + 1)
+        return
+    for key_node, value_node in node.value:
+        key = str(loader.construct_object(key_node))
+        yield from _entries(loader, value_node, f'{name}.{key}' if name else key)
+
+
+def _checked(entries: Iterator[Entry]) -> Iterator[Entry]:
+    seen: dict[str, int] = {}
+    for entry in entries:
+        if entry.name in seen:
+            raise _LayoutError(
+                entry.line, f'{entry.name} is given again, first in line {seen[entry.name]}')
+        seen[entry.name] = entry.line
+        yield entry
+
+
+def is_for(section: str, node: str) -> bool:
+    """
+    Tell whether a section's name, wildcards included, means the node of this full name.
+
+    >>> is_for('/**', '/a/positioner'), is_for('/*/positioner', '/positioner')
+    (True, False)
+    """
+    return _match(section.strip('/').split('/'), node.strip('/').split('/'))
+
+
+def _match(pattern: list[str], name: list[str]) -> bool:
+    if not pattern:
+        return not name
+    if pattern[0] == '**':
+        return _match(pattern[1:], name) or (bool(name) and _match(pattern, name[1:]))
+    return bool(name) and pattern[0] in ('*', name[0]) and _match(pattern[1:], name[1:])
