@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Declare the parameters of the table in a node, and watch over their changes."""
 
-from collections.abc import Callable, Collection, Sequence
-from typing import Any, Mapping, TypeVar
+from collections.abc import Callable, Collection, Mapping, Sequence
+from itertools import pairwise
+from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
@@ -12,7 +13,13 @@ from rclpy.parameter import Parameter
 from ..model.parameters import Description, ParameterError
 from ..model.quantity import Quantity
 from ..parameters.schema import (
-    ALL_DESCRIPTIONS, READ_ONLY, Parameters, belongs_to_ros, check, checked)
+    ALL_DESCRIPTIONS,
+    READ_ONLY,
+    Parameters,
+    belongs_to_ros,
+    check,
+    checked,
+)
 from ..parameters.sections import is_for, read_sections
 
 Checked = TypeVar('Checked')
@@ -38,8 +45,8 @@ def declare_table(
     it was given, misspelt names as well. ParameterError before any is declared.
     """
     given = {
-        name: parameter.value
-        for name, parameter in node.get_parameters_by_prefix('').items()
+        name: node.get_parameter(name).value
+        for name in node.list_parameters([], 0).names
         if not belongs_to_ros(name)
     }
     parameters = check(given)
@@ -156,7 +163,7 @@ def files_without_section(arguments: Sequence[str], node: str) -> list[tuple[str
     ROS 2 says nothing about a file whose node names match no node.
     """
     found = []
-    for flag, path in zip(arguments, arguments[1:]):
+    for flag, path in pairwise(arguments):
         if flag == '--params-file':
             names = [section.node for section in read_sections(path)]
             if not any(is_for(name, node) for name in names):

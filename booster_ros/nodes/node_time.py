@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which clock the simulation follows: /clock if the node is told to, else a steady one."""
 
-from rclpy.clock import Clock
+from typing import cast
+
+from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
@@ -16,7 +18,7 @@ class NodeTime:
     """
 
     def __init__(self, node: Node) -> None:
-        self._node_clock = node.get_clock()
+        self._node_clock = cast(ROSClock, node.get_clock())
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
 
     @property

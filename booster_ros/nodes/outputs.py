@@ -62,7 +62,7 @@ class OutputPublishers:
                 header=header, name=[JOINT_NAME], position=[position],
                 velocity=[outputs.stem_velocity]))
         if self._state.get_subscription_count():
-            for entry, value in zip(self._values, outputs):
+            for entry, value in zip(self._values, outputs, strict=True):
                 entry.value = repr(value)
             self._state.publish(DiagnosticArray(header=header, status=[self._status]))
 
@@ -71,4 +71,4 @@ class OutputPublishers:
         publishers: tuple[Publisher, ...] = (
             self._pressure, self._position, self._stamped_pressure, self._stamped_position,
             self._state)
-        return all([publisher.wait_for_all_acked(timeout) for publisher in publishers])
+        return all(publisher.wait_for_all_acked(timeout) for publisher in publishers)

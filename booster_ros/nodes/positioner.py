@@ -24,8 +24,14 @@ from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters
 from .command_guard import CommandGuard, CommandRules, Verdict
 from .declaration import ParameterWatch, declare, effective_values, files_without_section
 from .diagnostics import (
-    ClockState, Report, command_report, diagnostic_message, parameter_report, seconds,
-    time_report)
+    ClockState,
+    Report,
+    command_report,
+    diagnostic_message,
+    parameter_report,
+    seconds,
+    time_report,
+)
 from .node_time import NodeTime
 from .outputs import QUEUE_DEPTH, OutputPublishers
 from .process import run

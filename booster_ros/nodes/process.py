@@ -13,7 +13,7 @@ import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
-from rclpy.utilities import remove_ros_args
+from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
 from ..model.parameters import ParameterError
 
@@ -58,7 +58,7 @@ def run(
         return _complain(name, str(error))
     except Exception:
         # rclpy raises all sorts where the context ends in the middle of something
-        if rclpy.ok():
+        if ok():
             raise
     finally:
         _ignore_signals()
@@ -95,7 +95,7 @@ def _tear_down(executor: SingleThreadedExecutor) -> None:
     executor.shutdown()
     for node in nodes:
         node.destroy_node()
-    rclpy.try_shutdown()
+    try_shutdown()
 
 
 def _complain(name: str, sentence: str) -> int:

@@ -6,16 +6,22 @@ Parameter files: the standard ROS 2 format, read and written without ROS.
 The same file feeds the node (`--ros-args --params-file`), `simulate` and `close_loop`.
 """
 
+from collections.abc import Mapping
 import os
 from pathlib import Path
 import tempfile
-from typing import Any, Mapping, NamedTuple
+from typing import Any, NamedTuple
 
 import yaml
 
 from ..model.parameters import (
-    DESCRIPTIONS, ParameterError, PositionerParameters, to_values, unknown_name)
+    DESCRIPTIONS,
+    ParameterError,
+    to_values,
+    unknown_name,
+)
 from ..model.quantity import Quantity
+from ..model.system import PositionerParameters
 from .schema import ALL_DESCRIPTIONS, belongs_to_ros, check, checked
 from .sections import ANY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
 

@@ -6,11 +6,18 @@ The one table of all parameters: the model's (see `model.parameters`) and the no
 The node declares them from here, files are checked against it, the documentation prints it.
 """
 
-from typing import Any, Mapping, NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from ..model.parameters import (
-    DESCRIPTIONS, Description, ParameterError, PositionerParameters, checked_value, from_values,
-    unknown_name)
+    DESCRIPTIONS,
+    Description,
+    ParameterError,
+    checked_value,
+    from_values,
+    unknown_name,
+)
+from ..model.system import PositionerParameters
 
 REFUSE, LIMIT = 'refuse', 'limit'
 HOLD, VENT = 'hold', 'vent'

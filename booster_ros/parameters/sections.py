@@ -7,9 +7,10 @@ A file is read as rcl reads it, which differs from YAML 1.1 in one point that ma
 is a number. Line numbers are kept, so that whoever complains can say where.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 import re
-from typing import Any, Iterator, NamedTuple
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -28,7 +29,7 @@ class Entry(NamedTuple):
 
 
 class Section(NamedTuple):
-    """What a file holds for the node or nodes that `node` names, such as `/**` or `/a/positioner`."""
+    """What a file holds for the nodes that `node` names, such as `/**` or `/a/positioner`."""
 
     node: str
     entries: tuple[Entry, ...]
@@ -79,8 +80,8 @@ def _line(node: yaml.Node | None) -> int | None:
 def _sections(loader: _Loader, node: yaml.Node | None, name: str) -> Iterator[Section]:
     if not isinstance(node, yaml.MappingNode):
         raise _LayoutError(
-            _line(node), f'a ROS 2 parameter file has `/**:`, `{PARAMETERS_KEY}:` and the parameters '
-            'below each other')
+            _line(node), f'a ROS 2 parameter file has `/**:`, `{PARAMETERS_KEY}:` and the '
+            'parameters below each other')
     for key_node, value in node.value:
         key = str(loader.construct_object(key_node))
         if key == PARAMETERS_KEY:
