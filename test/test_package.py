@@ -1,0 +1,158 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ROS package: built with colcon, installed, and started from where it is installed."""
+
+import ast
+from pathlib import Path
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import pytest
+from ros_process import ROOT, RosProcess
+from std_msgs.msg import Float64
+
+from booster_ros.__main__ import PROGRAMS
+
+# Imported module → rosdep key, where they differ.
+ROSDEP_KEYS = {
+    'matplotlib': 'python3-matplotlib',
+    'numba': 'python3-numba',
+    'numpy': 'python3-numpy',
+    'rosbags': 'python3-rosbags-pip',
+    'scipy': 'python3-scipy',
+    'tqdm': 'python3-tqdm',
+    'yaml': 'python3-yaml',
+}
+# Needed by the launch files, which name it in substitutions and commands only.
+NOT_IMPORTED = {'ros2launch'}
+
+
+class Workspace:
+    """A colcon workspace in which the package has been built."""
+
+    def __init__(self, folder: Path):
+        self.prefix = folder / 'install' / 'booster_ros'
+        self.setup = folder / 'install' / 'setup.bash'
+
+    def sourced(self, *command: str) -> list[str]:
+        """Return the command as it is run in a shell that has sourced the workspace."""
+        return ['bash', '-c', f'. {shlex.quote(str(self.setup))}; exec {shlex.join(command)}']
+
+    def executable(self, name: str) -> str:
+        return str(self.prefix / 'lib' / 'booster_ros' / name)
+
+
+@pytest.fixture(scope='module')
+def workspace(tmp_path_factory) -> Workspace:
+    folder = tmp_path_factory.mktemp('workspace')
+    search_path = f'{Path(sys.executable).parent}:/usr/bin:/usr/local/bin'
+    colcon = shutil.which('colcon', path=search_path)
+    assert colcon, 'colcon is not installed'
+    built = subprocess.run(
+        [colcon, '--log-base', 'log', 'build', '--paths', str(ROOT)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert built.returncode == 0, built.stdout + built.stderr
+    return Workspace(folder)
+
+
+def manifest() -> ElementTree.Element:
+    return ElementTree.parse(ROOT / 'package.xml').getroot()
+
+
+def imported_modules(folder: Path) -> set[str]:
+    """Return the top-level modules that the folder's Python files import by their full name."""
+    modules = set()
+    for path in folder.rglob('*.py'):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Import):
+                modules |= {alias.name.split('.')[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                modules.add(str(node.module).split('.')[0])
+    return modules
+
+
+def test_what_is_imported_is_declared_and_nothing_else():
+    imported = imported_modules(ROOT / 'booster_ros') | imported_modules(ROOT / 'launch')
+    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'}
+    needed = {ROSDEP_KEYS.get(module, module) for module in foreign} | NOT_IMPORTED
+    assert needed == {element.text for element in manifest().iter('exec_depend')}
+
+
+def test_versions_agree():
+    version = manifest().findtext('version')
+    assert f"version='{version}'" in (ROOT / 'setup.py').read_text()
+    headings = re.findall(r'^(\S.*)\n-+$', (ROOT / 'CHANGELOG.rst').read_text(), re.MULTILINE)
+    assert headings
+    assert headings[0] == 'Forthcoming' or headings[0].startswith(f'{version} (')
+
+
+def test_requirements_pin_everything():
+    for name in ('run', 'test'):
+        lines = (ROOT / 'requirements' / f'{name}.txt').read_text().splitlines()
+        unpinned = [line for line in lines if not re.fullmatch(r'[\w.-]+==[\w.]+( ; .+)?', line)]
+        assert not unpinned
+
+
+def test_share_holds_launch_files_and_configuration(workspace):
+    share = workspace.prefix / 'share'
+    assert (share / 'ament_index' / 'resource_index' / 'packages' / 'booster_ros').is_file()
+    for kind in ('launch', 'config'):
+        sources = {path.name for path in (ROOT / kind).iterdir() if path.is_file()}
+        assert sources
+        assert {path.name for path in (share / 'booster_ros' / kind).iterdir()} == sources
+    assert (share / 'booster_ros' / 'package.xml').is_file()
+
+
+def test_every_program_is_an_executable_of_the_package(workspace):
+    installed = {path.name for path in (workspace.prefix / 'lib' / 'booster_ros').iterdir()}
+    assert installed == set(PROGRAMS)
+
+
+def test_the_installed_package_holds_every_module_and_its_data(workspace, tmp_path):
+    script = 'import booster_ros; print(booster_ros.__file__)'
+    found = subprocess.run(
+        workspace.sourced(sys.executable, '-c', script),
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    installed = Path(found.stdout.strip()).parent
+    assert installed.is_relative_to(workspace.prefix)
+    source = ROOT / 'booster_ros'
+    files = [path for path in source.rglob('*') if path.suffix in ('.py', '.csv', '.typed')]
+    missing = [path for path in files if not (installed / path.relative_to(source)).is_file()]
+    assert not missing
+
+
+def test_the_installed_positioner_publishes_and_ends_cleanly(workspace, ros_client):
+    with RosProcess(workspace.sourced(workspace.executable('positioner'))) as node:
+        positions = ros_client.receive('valve_position', Float64, count=10)
+        assert all(abs(message.data) < 1e-6 for message in positions)
+        assert node.interrupt() == 0, node.output
+
+
+def launch_files() -> list[Path]:
+    return sorted((ROOT / 'launch').glob('*.launch.py'))
+
+
+@pytest.mark.parametrize('path', launch_files(), ids=lambda path: path.name)
+def test_launch_files_describe_themselves(path):
+    code = compile(path.read_text(), str(path), 'exec')
+    pytest.importorskip('launch_ros', reason='launch is part of a ROS 2 installation only')
+    from launch import LaunchDescription
+
+    module: dict = {}
+    exec(code, module)
+    description = module['generate_launch_description']()
+    assert isinstance(description, LaunchDescription)
+    assert description.entities

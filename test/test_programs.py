@@ -1,0 +1,70 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""`python -m booster_ros`: what every program has in common."""
+
+import subprocess
+import sys
+
+import pytest
+
+from booster_ros.__main__ import PROGRAMS
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, '-m', 'booster_ros', *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def imported_by(module: str) -> set[str]:
+    """Return the top-level packages that importing the module brings along."""
+    script = f'import sys, {module}; print(*{{name.split(".")[0] for name in sys.modules}})'
+    done = subprocess.run([sys.executable, '-c', script], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_help_lists_every_program_on_a_line():
+    done = run('--help')
+    assert done.returncode == 0
+    assert done.stderr == ''
+    listed = [line.split(maxsplit=1) for line in done.stdout.splitlines() if line[:2] == '  ']
+    assert {name: purpose for name, purpose in listed} == {
+        name: purpose for name, (_, purpose) in PROGRAMS.items()
+    }
+
+
+def test_without_a_name_it_shows_the_list_and_fails():
+    done = run()
+    assert done.returncode == 2
+    assert done.stdout == ''
+    assert 'positioner' in done.stderr
+
+
+def test_an_unknown_name_is_answered_in_one_sentence():
+    done = run('positionr', '--help')
+    assert done.returncode == 2
+    assert done.stdout == ''
+    assert len(done.stderr.splitlines()) == 1
+    assert "'positionr'" in done.stderr
+    assert 'positioner' in done.stderr
+
+
+@pytest.mark.parametrize('name', PROGRAMS)
+def test_every_program_explains_itself(name):
+    done = run(name, '--help')
+    assert done.returncode == 0, done.stderr
+    assert 'usage' in done.stdout.lower()
+
+
+def test_the_list_of_programs_imports_none_of_them():
+    assert not {'numpy', 'rclpy'} & imported_by('booster_ros.__main__')
+
+
+@pytest.mark.parametrize('node', ['positioner', 'fake_controller'])
+def test_a_node_needs_rclpy_and_numpy_alone(node):
+    heavy = {'matplotlib', 'numba', 'rosbags', 'scipy', 'tqdm'}
+    assert not heavy & imported_by(f'booster_ros.nodes.{node}')
