@@ -23,7 +23,8 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
 def imported_by(module: str) -> set[str]:
     """Return the top-level packages that importing the module brings along."""
     script = f'import sys, {module}; print(*{{name.split(".")[0] for name in sys.modules}})'
-    done = subprocess.run([sys.executable, '-c', script], capture_output=True, text=True, check=True)
+    command = [sys.executable, '-c', script]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     return set(done.stdout.split())
 
 
@@ -32,7 +33,7 @@ def test_help_lists_every_program_on_a_line():
     assert done.returncode == 0
     assert done.stderr == ''
     listed = [line.split(maxsplit=1) for line in done.stdout.splitlines() if line[:2] == '  ']
-    assert {name: purpose for name, purpose in listed} == {
+    assert dict(listed) == {
         name: purpose for name, (_, purpose) in PROGRAMS.items()
     }
 

@@ -1,0 +1,172 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The paper's step test over real ROS 2 topics.
+
+Starts the positioner and the fake controller as two processes, lets the controller play
+0 → 0.4524 → 0 → 0.4524 mA in real time and record what it hears, and prints the paper's Table III
+beside the same indices of that record.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+from typing import IO
+
+import numpy as np
+
+from ..paper.indices import StepIndices
+from ..paper.printed import PrintedIndex, table_3
+from ..paper.step_test import profile, upward_steps
+from ..paper.step_test_figure import draw_step_test
+from ..records import CsvWriter, Record, RecordError, read_record
+from .ros_domain import claim_domain
+
+TICKS_PER_SECOND = 500
+"""A command waits for the next tick: at the default 100 Hz up to 1.9 % of the ISE."""
+
+PATIENCE = 10.0
+"""How long a process may take to end when it is told to, s."""
+
+LABELS = {
+    'final_pressure': 'final pressure',
+    'rise_time_10_90': 'rise time, 10 to 90 %',
+    'settling_time_5_percent': 'settling time, 5 %',
+    'integral_square_error': 'integral square error',
+}
+
+
+class DemoError(Exception):
+    """The demo cannot go on; the message is one sentence for the user."""
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the step test and report it; return the exit status."""
+    parser = argparse.ArgumentParser(prog='demo', description=__doc__)
+    parser.add_argument(
+        '--out',
+        type=Path,
+        default=Path('out') / 'demo',
+        help='folder for the record, the plot and the log (default: %(default)s)',
+    )
+    out: Path = parser.parse_args(args).out
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        record = play_step_test(out)
+        report(record, out / 'step_test.png')
+    except (DemoError, RecordError, OSError, ValueError) as error:
+        print(f'demo: {error}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print('demo: interrupted', file=sys.stderr)
+        return 130
+    return 0
+
+
+def play_step_test(out: Path) -> Record:
+    """Let the two nodes play the test, and return what the controller recorded."""
+    time, current = profile()
+    with CsvWriter(out / 'profile.csv', ('time', 'control_current')) as table:
+        table.write_rows(np.column_stack((time, current)))
+    log = out / 'positioner.log'
+    with own_domain(os.environ) as environment, log.open('w') as sink:
+        print(
+            f'Two nodes in ROS domain {environment["ROS_DOMAIN_ID"]} play the step test, '
+            f'{time[-1]:.0f} s in real time. The positioner logs to {log}.',
+            flush=True,
+        )
+        settings = {
+            'profile': 'csv',
+            'csv_file': str(out / 'profile.csv'),
+            'feedback': 'stamped',
+            'record_csv': str(out / 'record.csv'),
+        }
+        rate = {'publish_rate': float(TICKS_PER_SECOND)}
+        with (
+            running('positioner', rate, environment, sink),
+            running('fake_controller', settings, environment) as controller,
+        ):
+            status = controller.wait()
+    if status != 0:
+        raise DemoError(f'the fake controller ended with status {status}; see also {log}')
+    return read_record(out / 'record.csv')
+
+
+@contextmanager
+def own_domain(environment: Mapping[str, str]) -> Iterator[dict[str, str]]:
+    """Yield the environment with a ROS domain that nobody else uses, unless it names one."""
+    if 'ROS_DOMAIN_ID' in environment:
+        yield dict(environment)
+        return
+    domain = claim_domain()
+    try:
+        yield {
+            **environment,
+            'ROS_DOMAIN_ID': str(domain.id),
+            'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        }
+    finally:
+        domain.release()
+
+
+@contextmanager
+def running(
+    name: str,
+    parameters: Mapping[str, object],
+    environment: Mapping[str, str],
+    sink: IO[str] | None = None,
+) -> Iterator[subprocess.Popen[bytes]]:
+    """Run one of the package's nodes in a process of its own, and end it at the end."""
+    command = [sys.executable, '-m', 'booster_ros', name, '--ros-args']
+    for parameter, value in parameters.items():
+        command += ['-p', f'{parameter}:={value}']
+    process = subprocess.Popen(command, env=environment, stdout=sink, stderr=sink)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        try:
+            process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def report(record: Record, plot: Path) -> None:
+    """Print the table, draw the plot and say where it is."""
+    responses = upward_steps(
+        record['time'], record['control_current'], record['chamber_pressure']
+    )
+    print()
+    print(comparison([response.indices() for response in responses], table_3()))
+    draw_step_test(record, responses, plot)
+    print(f'\nPlot: {plot}\nRecord: {record.source}')
+
+
+def comparison(played: Sequence[StepIndices], printed: Mapping[str, PrintedIndex]) -> str:
+    """Return Table III with a column for each played step, and how far the mean is off."""
+    steps = ''.join(f'{f"step {number}":>10}' for number in range(1, len(played) + 1))
+    lines = [
+        f'{"Table III":32}{"the paper":>20}{"booster_ros":>{10 * len(played)}}',
+        f'{"":32}{"measured":>10}{"simulated":>10}{steps}{"to simulated":>14}',
+    ]
+    for name, label in LABELS.items():
+        row = printed[name]
+        values = [getattr(indices, name) for indices in played]
+        digits = 0 if row.simulated > 1e3 else 2 if row.simulated < 100 else 1
+        cells = ''.join(f'{value:10.{digits}f}' for value in [row.measured, row.simulated, *values])
+        off = sum(values) / len(values) / row.simulated - 1.0
+        lines.append(f'{label:24}{row.unit:8}{cells}{off:+14.2%}')
+    return '\n'.join(lines)
+
+
+if __name__ == '__main__':
+    sys.exit(main())
