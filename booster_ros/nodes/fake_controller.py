@@ -1,0 +1,222 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The node `fake_controller`: plays a current profile to a positioner, or closes the position loop.
+
+It waits for a positioner, plays, completes its recordings and ends. `docs/fake_controller.md`
+describes parameters, topics and what is recorded.
+"""
+
+from collections.abc import Sequence
+import math
+import sys
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.utilities import try_shutdown
+from std_msgs.msg import Float64, String
+
+from ..control.command import make_command
+from ..control.selection import select_profile
+from ..control.settings import (
+    DESCRIPTIONS,
+    POSITION,
+    STAMPED,
+    ControllerSettings,
+    check,
+    checked,
+)
+from ..model.parameters import ParameterError
+from ..records.record import RecordError
+from ..records.recording import Recording
+from .declaration import declare_table, files_without_section
+from .feedback import Feedback
+from .lockstep import Lockstep
+from .node_time import NodeTime
+from .pace import Pace, RealTime
+from .process import run
+from .progress import Progress
+from .tick_clock import NANOSECONDS
+
+DESCRIPTION = 'Play a current profile to a positioner, or close its position loop, as a ROS 2 node.'
+
+WAITING, PLAYING, DONE = 'waiting', 'playing', 'done'
+"""What `~/status` says."""
+
+QUEUE_DEPTH = 10
+LOOK_PERIOD = 0.05
+DELIVERY_TIMEOUT = Duration(seconds=1)
+
+
+class FakeController(Node):
+    """Plays a profile on the node's clock; ParameterError for bad parameters."""
+
+    def __init__(self, arguments: Sequence[str]) -> None:
+        """Check everything; `arguments` is the command line, for warnings only."""
+        super().__init__('fake_controller', automatically_declare_parameters_from_overrides=True)
+        self._settings: ControllerSettings = declare_table(
+            self, DESCRIPTIONS, DESCRIPTIONS.keys(), checked, check)
+        profile = select_profile(self._settings)
+        self.duration = profile.duration
+        self._command = make_command(self._settings, profile)
+        self._phase = ''
+        self._played = 0.0
+        self._current = 0.0
+        self._position = math.nan
+
+        self._status = self.create_publisher(
+            String, '~/status',
+            QoSProfile(depth=QUEUE_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self._currents = self.create_publisher(Float64, 'control_current', QUEUE_DEPTH)
+        self._set_points = self.create_publisher(Float64, '~/set_point', QUEUE_DEPTH)
+        time = NodeTime(self)
+        self._pace = self._make_pace(time)
+        self._feedback = Feedback(
+            self, time, self._settings.feedback == STAMPED, self._on_output)
+        self._progress = Progress(self.duration, self.get_logger())
+        self._announce(arguments)
+        self._recording = self._open_recording()
+        self._enter(WAITING)
+        self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._waiting_since = self._steady_clock.now()
+        self._look_out = self.create_timer(LOOK_PERIOD, self._on_look, clock=self._steady_clock)
+
+    def _make_pace(self, time: NodeTime) -> Pace:
+        settings = self._settings
+        if settings.lockstep:
+            return Lockstep(self, settings.positioner, settings.rate, self._is_delivered)
+        return RealTime(self, time, settings.rate, lambda: self.get_logger().warning(
+            'the clock jumped backwards: the profile goes on from where it was'))
+
+    def _open_recording(self) -> Recording:
+        settings = self._settings
+        topics = {
+            name: self.resolve_topic_name(name)
+            for name in ('control_current', 'chamber_pressure', 'valve_position')
+        }
+        try:
+            return Recording(settings.record_csv, settings.record_bag, settings.bag_format, topics)
+        except RecordError as error:
+            raise ParameterError(f'recording: {error}') from None
+
+    def _announce(self, arguments: Sequence[str]) -> None:
+        for path, sections in files_without_section(arguments, self.get_fully_qualified_name()):
+            self.get_logger().warning(
+                f'{path} holds nothing for {self.get_fully_qualified_name()} '
+                f'(its sections: {sections}); `/**:` is for any node')
+        values = ', '.join(
+            f'{name} {value}' for name, value in self._settings._asdict().items())
+        self.get_logger().info(f'parameters in force: {values}')
+
+    def _enter(self, phase: str) -> None:
+        self._phase = phase
+        self.get_logger().info(phase)
+        self._status.publish(String(data=phase))
+
+    # Waiting
+
+    def _on_look(self) -> None:
+        missing = self._missing()
+        if not missing:
+            self.destroy_timer(self._look_out)
+            self._enter(PLAYING)
+            self._pace.begin(self)
+            return
+        waited = (self._steady_clock.now() - self._waiting_since).nanoseconds / NANOSECONDS
+        if 0.0 < self._settings.wait_timeout < waited:
+            raise ParameterError(
+                f'no positioner within wait_timeout ({self._settings.wait_timeout:g} s): '
+                f'{", ".join(missing)}')
+
+    def _missing(self) -> list[str]:
+        """Return what is not there yet of what is needed to play."""
+        settings = self._settings
+        missing = self._pace.missing()
+        if not self._currents.get_subscription_count():
+            missing.append(f'nobody subscribes to {self._currents.topic_name}')
+        is_position_loop = settings.mode == POSITION
+        if is_position_loop or settings.lockstep or settings.record_csv or settings.record_bag:
+            missing += [f'nobody publishes {name}' for name in self._feedback.missing_topics()]
+        if is_position_loop and not settings.lockstep and math.isnan(self._position):
+            missing.append('no position has come')
+        return missing
+
+    # Playing
+
+    def send(self, played: float, stamp: int) -> None:
+        """Send the command for so many seconds after the start, at a stamp in ns."""
+        self._played = played
+        self._current = self._command.current(played, self._position)
+        self._recording.sent(self._current, stamp)
+        self._currents.publish(Float64(data=self._current))
+        self._set_points.publish(Float64(data=self._command.set_point))
+        self._progress.show(played)
+
+    def repeat(self) -> None:
+        """Send the last command again."""
+        self._currents.publish(Float64(data=self._current))
+
+    def _is_delivered(self) -> bool:
+        return self._currents.wait_for_all_acked(DELIVERY_TIMEOUT)
+
+    def _on_output(self, column: str, value: float, stamp: int) -> None:
+        if column == 'valve_position':
+            self._position = value
+        if self._phase != PLAYING:
+            return
+        own_stamp = self._pace.stamp(column, stamp)
+        if own_stamp is not None:
+            self._record_output(column, value, own_stamp)
+
+    def _record_output(self, column: str, value: float, stamp: int) -> None:
+        self._recording.start = self._pace.start
+        try:
+            self._recording.received(column, value, stamp)
+        except RecordError as error:
+            raise ParameterError(f'recording: {error}') from None
+
+    # The end
+
+    def finish(self) -> None:
+        """Complete the recording, say so, and end unless told to stay."""
+        self._progress.show(self.duration)
+        self._close_recording()
+        self._enter(DONE)
+        if not self._settings.keep_alive:
+            self._currents.wait_for_all_acked(DELIVERY_TIMEOUT)
+            self._status.wait_for_all_acked(DELIVERY_TIMEOUT)
+            try_shutdown(context=self.context)
+
+    def _close_recording(self) -> None:
+        self._progress.close()
+        try:
+            self._recording.close()
+        except RecordError as error:
+            raise ParameterError(f'recording: {error}') from None
+        for path in (self._settings.record_csv, self._settings.record_bag):
+            if path:
+                self.get_logger().info(f'recorded {self._recording.rows} samples to {path}')
+
+    def destroy_node(self) -> None:
+        """Complete a recording that has been interrupted, remove one that has not begun."""
+        if self._phase == WAITING:
+            self._recording.discard()
+        elif self._phase == PLAYING:
+            self._close_recording()
+            self.get_logger().warning(
+                f'interrupted: played {self._played:.2f} of {self.duration:g} s, what is recorded '
+                'is partial')
+        super().destroy_node()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node; `args` is the command line without the program's name."""
+    arguments = sys.argv[1:] if args is None else list(args)
+    return run('fake_controller', DESCRIPTION, lambda: FakeController(arguments), arguments)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,132 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+When commands are sent: tick by tick, with a paused positioner that is advanced by its services.
+
+Nothing depends on how fast messages travel: a step is asked for when the command has been received,
+and the next command is sent when the outputs of that step are here.
+"""
+
+from collections.abc import Callable
+import math
+from typing import Any
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.parameter import parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.task import Future
+from std_srvs.srv import SetBool, Trigger
+
+from ..model.parameters import ParameterError
+from .pace import Player
+from .tick_clock import NANOSECONDS
+
+QUIET = 0.2
+"""Seconds in which the last messages of a positioner that was just paused arrive."""
+
+
+class Lockstep:
+    """
+    Advances one positioner from its initial state; its name is as seen from `node`.
+
+    `is_delivered` says whether the command has been received. The first output is the initial
+    state; each output is stamped with its tick, whatever the clocks show.
+    """
+
+    def __init__(
+        self, node: Node, positioner: str, rate: float, is_delivered: Callable[[], bool]
+    ) -> None:
+        self.start = 0
+        self._node = node
+        self._positioner = positioner
+        self._rate = rate
+        self._is_delivered = is_delivered
+        self._clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._pause = node.create_client(SetBool, f'{positioner}/pause')
+        self._reset = node.create_client(Trigger, f'{positioner}/reset')
+        self._step = node.create_client(Trigger, f'{positioner}/step')
+        self._parameters = AsyncParameterClient(node, positioner)
+        self._period = 0
+        self._samples: dict[str, int] = {}
+        self._awaited = 0
+        self._arrival: Future | None = None
+
+    def missing(self) -> list[str]:
+        """Return the services that nobody offers."""
+        return [
+            f'there is no {client.srv_name}' for client in (self._pause, self._reset, self._step)
+            if not client.service_is_ready()
+        ]
+
+    def begin(self, player: Player) -> None:
+        """Play from now on, as a task of the node's executor."""
+        async def play() -> None:
+            timer.cancel()
+            await self._play(player)
+
+        timer = self._node.create_timer(0.0, play, clock=self._clock)
+
+    def stamp(self, column: str, received: int) -> int | None:
+        """Return the stamp of the tick that an output belongs to, None before the first."""
+        if column not in self._samples:
+            return None
+        stamp = self.start + self._samples[column] * self._period
+        self._samples[column] += 1
+        if self._arrival is not None and self._has_arrived():
+            self._arrival.set_result(None)
+            self._arrival = None
+        return stamp
+
+    async def _play(self, player: Player) -> None:
+        ticks = await self._prepare()
+        await self._wait(QUIET)
+        self.start = self._node.get_clock().now().nanoseconds
+        self._samples = {'chamber_pressure': 0, 'valve_position': 0}
+        await self._call(self._reset, Trigger.Request())
+        await self._outputs(1)
+        for number in range(math.ceil(player.duration * self._rate - 1e-9)):
+            player.send(number / self._rate, self.start + number * ticks * self._period)
+            if not self._is_delivered():
+                raise ParameterError(f'{self._positioner} does not receive commands')
+            await self._call(self._step, Trigger.Request())
+            await self._outputs(1 + (number + 1) * ticks)
+        player.finish()
+
+    async def _prepare(self) -> int:
+        """Pause the positioner and return its ticks for each step."""
+        response = await self._parameters.get_parameters(['publish_rate', 'step_ticks'])
+        publish_rate, ticks = (parameter_value_to_python(value) for value in response.values)
+        if publish_rate is None or ticks is None:
+            raise ParameterError(
+                f'lockstep: {self._positioner} has no parameters publish_rate and step_ticks')
+        if abs(self._rate * ticks - publish_rate) > 1e-9 * publish_rate:
+            raise ParameterError(
+                f'rate ({self._rate:g} Hz) must in lockstep be publish_rate / step_ticks of '
+                f'{self._positioner}, {publish_rate / ticks:g} Hz')
+        self._period = round(NANOSECONDS / publish_rate)
+        await self._call(self._pause, SetBool.Request(data=True))
+        return int(ticks)
+
+    async def _call(self, client: Any, request: Any) -> None:
+        response = await client.call_async(request)
+        if not response.success:
+            raise ParameterError(f'lockstep: {client.srv_name}: {response.message}')
+
+    async def _outputs(self, count: int) -> None:
+        """Wait until so many of each output have arrived."""
+        self._awaited = count
+        if not self._has_arrived():
+            self._arrival = Future(executor=self._node.executor)
+            await self._arrival
+
+    def _has_arrived(self) -> bool:
+        return min(self._samples.values()) >= self._awaited
+
+    async def _wait(self, seconds: float) -> None:
+        over: Future = Future(executor=self._node.executor)
+        timer = self._node.create_timer(
+            seconds, lambda: over.done() or over.set_result(None), clock=self._clock)
+        await over
+        self._node.destroy_timer(timer)

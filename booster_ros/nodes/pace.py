@@ -1,0 +1,95 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""When commands are sent: as time goes by."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from rclpy.node import Node
+
+from .node_time import NodeTime
+from .tick_clock import NANOSECONDS
+
+
+class Player(Protocol):
+    """What is to be played."""
+
+    @property
+    def duration(self) -> float:
+        """Seconds after which the profile is over."""
+
+    def send(self, played: float, stamp: int) -> None:
+        """Send the command for so many seconds after the start, at a stamp in ns."""
+
+    def finish(self) -> None:
+        """Take note that the profile is over."""
+
+    def repeat(self) -> None:
+        """Send the last command again."""
+
+
+class Pace(Protocol):
+    """Calls a player when it is time."""
+
+    start: int
+    """Stamp of the beginning, ns."""
+
+    def missing(self) -> list[str]:
+        """Return what is not there yet of what is needed to play."""
+
+    def begin(self, player: Player) -> None:
+        """Play from now on."""
+
+    def stamp(self, column: str, received: int) -> int | None:
+        """Return the stamp of an output that came at `received` (ns), None if it is not ours."""
+
+
+class RealTime:
+    """
+    Sends a command per period of the clock that the node follows.
+
+    What is sent depends on the time, not on the number of calls: a command that comes late is the
+    one for now, and those that were missed are not made up for.
+    """
+
+    def __init__(
+        self, node: Node, time: NodeTime, rate: float, on_jump: Callable[[], None]
+    ) -> None:
+        self.start = 0
+        self._node = node
+        self._time = time
+        self._rate = rate
+        self._on_jump = on_jump
+        self._zero = self._last = 0
+        self._is_over = False
+
+    def missing(self) -> list[str]:
+        """Return that simulated time has not begun, if so."""
+        return [] if self._time.now() else ['nothing has come on /clock']
+
+    def begin(self, player: Player) -> None:
+        """Play from now on."""
+        self._zero = self._last = self._time.now()
+        self.start = self._zero + self._time.stamp_offset()
+        self._node.create_timer(
+            1.0 / self._rate, lambda: self._on_timer(player), clock=self._time.clock)
+        self._on_timer(player)
+
+    def stamp(self, column: str, received: int) -> int | None:
+        """Return the stamp as it is."""
+        return received
+
+    def _on_timer(self, player: Player) -> None:
+        now = self._time.now()
+        if now < self._last:
+            self._zero -= self._last - now
+            self._on_jump()
+        self._last = now
+        played = (now - self._zero) / NANOSECONDS
+        if played < player.duration:
+            player.send(played, now + self._time.stamp_offset())
+        elif self._is_over:
+            player.repeat()
+        else:
+            self._is_over = True
+            player.finish()

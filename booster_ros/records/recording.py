@@ -1,0 +1,91 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Record what is sent to a positioner and what comes back, to a CSV, a bag, both or neither."""
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+
+import numpy as np
+
+from booster_ros.records.csv_file import CsvWriter
+from booster_ros.records.row_builder import Row, RowBuilder
+
+_ROWS_AT_ONCE = 100
+_NANOSECONDS = 1e-9
+
+
+class Recording:
+    """
+    A recording under way; its files get their names in `close`.
+
+    A message of the bag has its own stamp; the CSV has the rows of `RowBuilder`, and time counts
+    from `start`. RecordError where a file cannot be written.
+    """
+
+    def __init__(
+        self, csv_path: str, bag_path: str, bag_format: str, topics: Mapping[str, str]
+    ) -> None:
+        """Open the files whose paths are not empty; `topics` (by column) are those of the bag."""
+        self.rows = 0
+        """Rows so far."""
+        self.start = 0
+        """Where time is zero, ns."""
+        self._topics = topics
+        self._builder = RowBuilder()
+        self._waiting: list[Row] = []
+        self._csv = CsvWriter(csv_path, Row._fields) if csv_path else None
+        self._bag = None
+        if bag_path:
+            # Only who asks for a bag needs rosbags.
+            from booster_ros.records.bag_writer import BagWriter
+            try:
+                self._bag = BagWriter(bag_path, list(topics.values()), bag_format)
+            except BaseException:
+                self.discard()
+                raise
+
+    def sent(self, current: float, stamp: int) -> None:
+        """Note a command (A) that was sent at `stamp`, ns."""
+        self._builder.sent(current)
+        self._write_message('control_current', current, stamp)
+
+    def received(self, column: str, value: float, stamp: int) -> None:
+        """Note an output of the positioner as it was at `stamp`, ns."""
+        row = self._builder.received(column, value, (stamp - self.start) * _NANOSECONDS)
+        self._write_message(column, value, stamp)
+        self._add(row)
+
+    def close(self) -> None:
+        """Complete the files and give them their names."""
+        with ExitStack() as writers:  # each is closed, even if another one fails
+            if self._bag is not None:
+                writers.callback(self._bag.close)
+            if self._csv is not None:
+                writers.callback(self._csv.close)
+                writers.callback(self._write_rows)
+            self._add(self._builder.last())
+
+    def discard(self) -> None:
+        """Remove what was written."""
+        for writer in (self._csv, self._bag):
+            if writer is not None:
+                writer.discard()
+
+    def _add(self, row: Row | None) -> None:
+        if row is None:
+            return
+        self.rows += 1
+        if self._csv is None:
+            return
+        self._waiting.append(row)
+        if len(self._waiting) >= _ROWS_AT_ONCE:
+            self._write_rows()
+
+    def _write_rows(self) -> None:
+        assert self._csv is not None
+        self._csv.write_rows(np.array(self._waiting).reshape(-1, len(Row._fields)))
+        self._waiting.clear()
+
+    def _write_message(self, column: str, value: float, stamp: int) -> None:
+        if self._bag is not None:
+            self._bag.write(self._topics[column], value, stamp)
