@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Any
 
 import rclpy
+from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
@@ -24,6 +25,7 @@ class RosClient:
         self.node = rclpy.create_node(name, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
+        self._clients: dict[str, Client] = {}
 
     def spin_until(self, done: Callable[[], bool], timeout: float = 20.0) -> None:
         """
@@ -44,6 +46,11 @@ class RosClient:
         self.node.create_subscription(kind, topic, messages.append, depth)
         return messages
 
+    def forget(self) -> None:
+        """End all subscriptions."""
+        for subscription in list(self.node.subscriptions):
+            self.node.destroy_subscription(subscription)
+
     def receive(self, topic: str, kind: type, count: int = 1, timeout: float = 20.0) -> list[Any]:
         """Subscribe and return the first `count` messages."""
         messages = self.listen(topic, kind)
@@ -52,7 +59,9 @@ class RosClient:
 
     def call(self, service: str, kind: type, request: Any, timeout: float = 20.0) -> Any:
         """Wait for the service, call it and return the response."""
-        client = self.node.create_client(kind, service)
+        client = self._clients.get(service)
+        if client is None:
+            client = self._clients[service] = self.node.create_client(kind, service)
         self.spin_until(client.service_is_ready, timeout)
         future = client.call_async(request)
         self.spin_until(future.done, timeout)

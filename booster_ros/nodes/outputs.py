@@ -4,9 +4,7 @@
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.duration import Duration
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Float64, Header
 
@@ -15,7 +13,8 @@ from ..model.system import OUTPUT_UNITS, Outputs
 from .tick_clock import NANOSECONDS
 
 JOINT_NAME = 'valve_stem'
-QUEUE_DEPTH = 10
+QUEUE_DEPTH = 1000
+"""Messages kept for a reliable subscription that missed them: ~/step publishes in bursts."""
 
 
 def stamp_message(nanoseconds: int) -> Time:
@@ -65,10 +64,3 @@ class OutputPublishers:
             for entry, value in zip(self._values, outputs, strict=True):
                 entry.value = repr(value)
             self._state.publish(DiagnosticArray(header=header, status=[self._status]))
-
-    def wait_until_delivered(self, timeout: Duration) -> bool:
-        """Wait until every reliable subscription has what was published; False at the timeout."""
-        publishers: tuple[Publisher, ...] = (
-            self._pressure, self._position, self._stamped_pressure, self._stamped_position,
-            self._state)
-        return all(publisher.wait_for_all_acked(timeout) for publisher in publishers)

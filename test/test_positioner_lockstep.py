@@ -1,0 +1,178 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A paused positioner steps exactly as told, and does exactly what the model does."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray
+from positioner_process import Bench, details, report_of, start, state_of, with_parameters
+import pytest
+from ros_client import RosClient
+from sensor_msgs.msg import FluidPressure, JointState
+from std_msgs.msg import Float64
+
+from booster_ros.model.simulation import Plant
+from booster_ros.model.system import PositionerParameters
+
+CURRENT = 0.4524e-3
+
+
+AT_REST = {
+    'initial_state__chamber_pressure': 0.0,
+    'initial_state__valve_position': -1.0,
+    'initial_state__control_current': 0.0,
+    'command_timeout': 0.0,
+    'stale_command': 'hold',
+}
+
+
+@pytest.fixture(scope='module')
+def shared_bench():
+    with start(*with_parameters(start_paused='true')) as node, RosClient() as client:
+        yield Bench(client)
+        assert node.interrupt() == 0, node.output
+
+
+@pytest.fixture
+def bench(shared_bench):
+    assert shared_bench.set(**AT_REST).successful
+    shared_bench.pause(True)
+    shared_bench.trigger('reset')
+    yield shared_bench
+    shared_bench.client.forget()
+
+
+def played(bench, ticks=40):
+    """Return the pressures of a lockstep run: rest, a step, zero again."""
+    pressures = bench.client.listen('chamber_pressure', Float64)
+    bench.wait_for_subscriptions()
+    bench.trigger('reset')
+    for current in (0.0, CURRENT, 0.0):
+        bench.command(current)
+        bench.step(ticks)
+    bench.client.spin_until(lambda: len(pressures) >= 3 * ticks + 1)
+    return [message.data for message in pressures]
+
+
+def test_lockstep_is_the_model_bit_by_bit(bench):
+    plant = Plant(PositionerParameters())
+    expected = [0.0]
+    for current in (0.0, CURRENT, 0.0):
+        for _ in range(40):
+            plant.advance(current, 10)
+            expected.append(plant.outputs().measured_chamber_pressure)
+    assert played(bench) == expected
+    assert max(expected) > 100e3
+
+
+def test_two_runs_are_bit_identical(bench):
+    first = played(bench)
+    assert len(first) == 121
+    bench.client.forget()
+    assert first == played(bench)
+
+
+def test_each_tick_is_published_on_every_topic_one_period_apart(bench):
+    pressures = bench.client.listen('chamber_pressure_stamped', FluidPressure)
+    positions = bench.client.listen('valve_position_stamped', JointState)
+    states = bench.client.listen('positioner/state', DiagnosticArray)
+    bench.wait_for_subscriptions()
+    bench.command(CURRENT)
+    bench.step(25)
+    bench.step(25)
+    bench.client.spin_until(lambda: min(map(len, (pressures, positions, states))) >= 50)
+    assert len(pressures) == len(positions) == len(states) == 50
+
+    last = state_of(states[-1])
+    assert last['time'] == 0.5
+    assert last['control_current'] == CURRENT
+    assert 101_325 + last['chamber_pressure'] == pressures[-1].fluid_pressure
+    assert (positions[-1].name, list(positions[-1].position)) == (
+        ['valve_stem'], [last['valve_position']])
+    assert list(positions[-1].velocity) == [last['stem_velocity']]
+    stamps = [p.header.stamp.sec * 10**9 + p.header.stamp.nanosec for p in pressures]
+    within_a_call = stamps[24] - stamps[0]
+    assert within_a_call == 24 * 10_000_000
+    assert [p.header.stamp for p in pressures] == [p.header.stamp for p in positions]
+
+
+def test_the_state_names_every_output_and_its_unit(bench):
+    states = bench.client.listen('positioner/state', DiagnosticArray)
+    bench.wait_for_subscriptions()
+    bench.step(1)
+    bench.client.spin_until(lambda: len(states) > 0)
+    assert set(state_of(states[0])) == set(Plant(PositionerParameters()).outputs()._fields)
+    assert 'mass_flow kg/s' in states[0].status[0].message
+
+
+def test_a_reset_goes_to_the_given_state(bench):
+    states = bench.client.listen('positioner/state', DiagnosticArray)
+    bench.wait_for_subscriptions()
+    bench.step(3)
+    assert bench.set(
+        initial_state__chamber_pressure=225e3, initial_state__valve_position=0.004,
+        initial_state__control_current=CURRENT).successful
+    bench.trigger('reset')
+    bench.client.spin_until(lambda: len(states) >= 4)
+    state = state_of(states[-1])
+    assert (state['time'], state['chamber_pressure'], state['valve_position']) == (
+        0.0, 225e3, 0.004)
+    assert state['control_current'] == CURRENT
+    assert state['back_pressure'] == pytest.approx(244.45e3)
+
+
+def test_a_reset_without_a_position_lets_the_spring_find_it(bench):
+    positions = bench.client.listen('valve_position', Float64)
+    bench.wait_for_subscriptions()
+    assert bench.set(initial_state__chamber_pressure=225e3).successful
+    bench.trigger('reset')
+    bench.client.spin_until(lambda: len(positions) >= 1)
+    assert positions[0].data == pytest.approx(0.008, abs=1e-9)
+
+
+@pytest.mark.parametrize(('policy', 'current'), [('hold', CURRENT), ('vent', 0.0)])
+def test_a_command_goes_stale_after_its_timeout(bench, policy, current):
+    states = bench.client.listen('positioner/state', DiagnosticArray)
+    diagnostics = bench.client.listen('/diagnostics', DiagnosticArray)
+    bench.wait_for_subscriptions()
+    assert bench.set(command_timeout=0.1, stale_command=policy).successful
+    bench.command(CURRENT)
+    bench.step(15)
+    bench.client.spin_until(lambda: len(states) >= 15)
+    currents = [state_of(message)['control_current'] for message in states]
+    assert currents[:11] == [CURRENT] * 11
+    assert currents[11:] == [current] * 4
+    bench.client.spin_until(
+        lambda: report_of(diagnostics[-1], 'command').message.startswith('stale'))
+    bench.command(2e-4)
+    bench.step(1)
+    bench.client.spin_until(lambda: len(states) >= 16)
+    assert state_of(states[-1])['control_current'] == 2e-4
+
+
+def test_while_paused_nothing_moves_and_diagnostics_say_so(bench):
+    diagnostics = bench.client.listen('/diagnostics', DiagnosticArray)
+    bench.client.spin_until(lambda: len(diagnostics) >= 2)
+    times = {details(report_of(m, 'time'))['simulated time [s]'] for m in diagnostics}
+    assert times == {'0.000000000'}
+    assert report_of(diagnostics[-1], 'time').message == 'paused by ~/pause'
+
+
+def test_going_on_after_a_pause_owes_nothing(bench):
+    bench.step(5)
+    states = bench.client.listen('positioner/state', DiagnosticArray)
+    diagnostics = bench.client.listen('/diagnostics', DiagnosticArray)
+    bench.wait_for_subscriptions()
+    assert bench.pause(False).message == 'running'
+    bench.client.spin_until(lambda: len(states) >= 3 and len(diagnostics) >= 1)
+    assert state_of(states[0])['time'] == pytest.approx(0.06)
+    assert float(details(report_of(diagnostics[-1], 'time'))['longest delay [s]']) < 5.0
+
+
+def test_only_a_paused_positioner_steps(bench):
+    bench.pause(False)
+    response = bench.trigger('step')
+    assert not response.success
+    assert '~/pause' in response.message
+
+
