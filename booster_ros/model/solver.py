@@ -9,7 +9,7 @@ corners — end stops, pressure ratios near 1, small volumes — cost it no smal
 
 One call of `advance` takes the state over one interval in which all inputs stand still:
 
-1. try a step; where the embedded error exceeds the tolerance, halve it and try again;
+1. try a step; where the embedded error exceeds the tolerance, shorten it and try again;
 2. a sliding stem whose velocity would change sign is stopped at the crossing, exactly at zero,
    and stays there while the force on it is below the break-away friction;
 3. a stuck stem whose force passes the break-away friction starts to slide at that moment.
@@ -17,20 +17,26 @@ One call of `advance` takes the state over one interval in which all inputs stan
 The functions work on lists (plain Python) and on numpy arrays (compiled) alike.
 """
 
+import math
 from typing import NamedTuple
 
 from .system import (
-    DIRECTION, STATES, TRIAL_STEP, VELOCITY, PositionerParameters, breakaway_excess, derivatives,
+    CHAMBER, DIRECTION, STATES, TRIAL_STEP, VELOCITY, PositionerParameters, breakaway_excess, derivatives,
     slip_direction, sticks)
 
 SMALLEST_STEP = 1e-7
 """Sub-steps, s, are not made shorter, whatever the error estimate says."""
 
-FIRST_SLIP_STEP = 5e-5
+FIRST_SLIP_STEP = 1e-5
 """Trial step after break-away, s: stiction fades within micrometres, too fast for long steps."""
 
+EVENT_VELOCITY = 1e-7
+EVENT_FORCE = 1e-3
+EVENT_TRIALS = 8
+"""Velocity (m/s) or force (N) at which an end of sliding or sticking counts as found, trials."""
+
 # Error per sub-step that is tolerated: Pa, Pa, Pa, Pa, K, m, m/s.
-TOLERANCE = (2.0, 2.0, 2.0, 2.0, 1e-2, 1e-7, 1e-4)
+TOLERANCE = (2.0, 2.0, 2.0, 2.0, 1e-2, 1e-7, 1e-5)
 
 # Increments for the numerical Jacobian, in the unit of each state.
 INCREMENT = (0.1, 0.1, 0.1, 0.1, 1e-4, 1e-9, 1e-7)
@@ -141,6 +147,48 @@ def _step_factor(error: float) -> float:
     return min(max(0.9 * (max(error, 1e-9)) ** (-1.0 / 3.0), 0.2), 5.0)
 
 
+def _event(p, time, current, direction, y) -> float:
+    """
+    Return a quantity that rises through zero when the stem's regime ends.
+
+    While sliding: velocity against the direction, m/s. While stuck: force beyond break-away, N.
+    """
+    if direction != 0.0:
+        return -y[VELOCITY] * direction
+    return breakaway_excess(p, time, current, y)
+
+
+def _step_to_event(p, time, current, direction, y, step, active, count, w) -> float:
+    """
+    Shorten the step so that it ends where the regime does; the result is in w.trial.
+
+    False position with the Illinois weights: stick-slip is sensitive to when and where the stem
+    stops, so the crossing is found far better than a step's error.
+    """
+    early, before = 0.0, _event(p, time, current, direction, y)
+    late, after = step, _event(p, time, current, direction, w.trial)
+    enough = EVENT_VELOCITY if direction != 0.0 else EVENT_FORCE
+    middle = late
+    for _ in range(EVENT_TRIALS):
+        if before >= 0.0:
+            break
+        middle = early + (late - early) * before / (before - after)
+        _rodas3(p, time, current, direction, y, middle, active, count, w)
+        value = _event(p, time, current, direction, w.trial)
+        if abs(value) < enough:
+            break
+        if value > 0.0:
+            late, after = middle, value
+            before *= 0.5
+        else:
+            early, before = middle, value
+            after *= 0.5
+    if before >= 0.0:
+        middle = SMALLEST_STEP
+        _rodas3(p, time, current, direction, y, middle, active, count, w)
+    return max(middle, 0.5 * SMALLEST_STEP)
+
+
 def advance(
     p: PositionerParameters, time: float, current: float, length: float, y, memory,
     active, count: int, tolerance: float, w: Workspace,
@@ -173,21 +221,18 @@ def advance(
         while not error <= tolerance and step > SMALLEST_STEP:
             step = max(step * min(_step_factor(error / tolerance), 0.5), SMALLEST_STEP)
             error = _rodas3(p, time, current, direction, y, step, active, moving, w)
+        if math.isnan(error):
+            y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
+            return
         whole = step == tried
         proposal = step * _step_factor(error / tolerance)
+
         landed = False
-        if dry and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
-            share = y[VELOCITY] / (y[VELOCITY] - w.trial[VELOCITY]) if (
-                y[VELOCITY] * direction > 0.0) else 0.0
-            step = max(step * share, SMALLEST_STEP)
-            _rodas3(p, time, current, direction, y, step, active, moving, w)
-            landed = True
-        elif dry and direction == 0.0:
-            before = breakaway_excess(p, time, current, y)
-            after = breakaway_excess(p, time, current, w.trial)
-            if after > 0.0 and before < 0.0:
-                step = max(step * before / (before - after) * (1.0 + 1e-9), SMALLEST_STEP)
-                _rodas3(p, time, current, direction, y, step, active, moving, w)
+        if dry:
+            landed = direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0
+            if landed or (direction == 0.0 and _event(p, time, current, direction, w.trial) > 0.0):
+                step = _step_to_event(
+                    p, time, current, direction, y, step, active, moving, w)
 
         for i in range(STATES):
             y[i] = w.trial[i]
