@@ -1,0 +1,167 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole valve, stepped through time."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from . import booster as relay
+from . import chamber as gas_space
+from . import converter as nozzle
+from . import stem as spindle
+from .gas import ATMOSPHERE, mass_flow
+from .supply import Supply, regulated_pressure
+
+SAMPLE_TIME = 0.01  # s, of records
+STEP = 20e-6  # s
+STEPS_PER_SAMPLE = round(SAMPLE_TIME / STEP)
+COLUMNS = (
+    'back_pressure',  # Pa gauge
+    'supply_pressure',
+    'outlet_pressure',
+    'chamber_pressure',
+    'gas_temperature',  # K
+    'valve_position',  # m
+    'stem_velocity',  # m/s
+    'stored_mass',  # kg, in chamber and line
+    'supplied_mass',  # kg, since the beginning of the run
+    'released_mass',
+)
+
+
+class Valve(NamedTuple):
+    """A complete plant; sensors are apart, because nothing in the valve depends on them."""
+
+    converter: nozzle.Converter = nozzle.Converter()
+    booster: relay.Booster = relay.Booster()
+    supply: Supply = Supply()
+    line: gas_space.Line = gas_space.Line()
+    chamber: gas_space.Chamber = gas_space.Chamber()
+    stem: spindle.Stem = spindle.Stem()
+
+
+@njit(cache=True)
+def balance(valve, current):
+    """Return back pressure, chamber pressure and position at which the undisturbed valve rests."""
+    booster, stem = valve.booster, valve.stem
+    supply = valve.supply.pressure
+    back = nozzle.settled_back_pressure(valve.converter, current, current, 0.0, supply)
+    bias = relay.diaphragm_force(booster, back, 0.0, supply)
+    pressure = min(max(bias / booster.s3, 0.0), supply)
+    lift = (valve.chamber.area * pressure - stem.preload) / stem.spring_rate
+    return back, pressure, min(max(lift, 0.0), stem.travel)
+
+
+@njit(cache=True)
+def run(valve, currents, start_time):
+    """
+    Step the plant through currents (A, one per sample) from the balance at the first of them.
+
+    Returns an array with one row per sample, taken as its current is applied, and COLUMNS. The
+    effects' clock reads start_time (s) at the first sample.
+    """
+    converter, booster, supply = valve.converter, valve.booster, valve.supply
+    line, chamber, stem = valve.line, valve.chamber, valve.stem
+    has_line = line.resistance > 0.0
+    isothermal = chamber.wall_resistance == 0.0
+    line_area = 1.0 / line.resistance if has_line else 0.0
+    wall = supply.temperature
+    critical = booster.critical_ratio
+
+    flapper = currents[0]
+    late_flapper = flapper
+    back, gauge, x = balance(valve, flapper)
+    v = 0.0
+    relaxed_x = x
+    supply_pressure = supply.pressure
+    spool = 0.0
+    temperature = wall
+    volume = gas_space.gas_volume(chamber, x)
+    mass = gas_space.ambient_mass(volume, wall) * (gauge + ATMOSPHERE) / ATMOSPHERE
+    line_mass = gas_space.ambient_mass(line.volume, wall) * (gauge + ATMOSPHERE) / ATMOSPHERE
+    supplied = 0.0
+    released = 0.0
+
+    back_share = -math.expm1(-STEP / converter.time_constant)
+    late_share = -math.expm1(-STEP / converter.creep_time)
+    regulator_share = -math.expm1(-STEP / supply.regulator_time)
+    relax_share = -math.expm1(-STEP / stem.creep_time)
+    delay = round(converter.dead_time / STEP)
+
+    rows = np.empty((currents.size, len(COLUMNS)))
+    for step in range((currents.size - 1) * STEPS_PER_SAMPLE + 1):
+        time = start_time + step * STEP
+        pressure = gas_space.absolute_pressure(mass, temperature, volume)
+        outlet = gas_space.absolute_pressure(line_mass, wall, line.volume) if has_line else pressure
+        outlet_temperature = wall if has_line else temperature
+        gauge = pressure - ATMOSPHERE
+        if step % STEPS_PER_SAMPLE == 0:
+            row = rows[step // STEPS_PER_SAMPLE]
+            row[0], row[1], row[2], row[3] = back, supply_pressure, outlet - ATMOSPHERE, gauge
+            row[4], row[5], row[6] = temperature, x, v
+            row[7] = mass + (line_mass if has_line else 0.0)
+            row[8], row[9] = supplied, released
+
+        # E/P converter
+        current = currents[max(step - delay, 0) // STEPS_PER_SAMPLE]
+        flapper = nozzle.play(flapper, current, converter.hysteresis)
+        late_flapper += late_share * (flapper - late_flapper)
+        back_target = nozzle.settled_back_pressure(
+            converter, flapper, late_flapper, time, supply_pressure
+        )
+
+        # booster
+        force = relay.diaphragm_force(booster, back, outlet - ATMOSPHERE, supply_pressure)
+        spool = relay.spool_force(booster, spool, force, time)
+        supply_absolute = supply_pressure + ATMOSPHERE
+        intake = relay.intake_area(booster, spool, supply_absolute - outlet)
+        exhaust = relay.exhaust_area(booster, spool, outlet - ATMOSPHERE)
+        inflow = mass_flow(
+            intake + booster.supply_leak,
+            supply_absolute, supply.temperature, outlet, outlet_temperature, critical,
+        )  # fmt: skip
+        exhausted = mass_flow(
+            exhaust + booster.exhaust_leak,
+            outlet, outlet_temperature, ATMOSPHERE, supply.temperature, critical,
+        )  # fmt: skip
+
+        # line and chamber
+        leaked = mass_flow(
+            gas_space.leak_area(chamber, gauge, x),
+            pressure, temperature, ATMOSPHERE, supply.temperature, critical,
+        )  # fmt: skip
+        through = inflow - exhausted
+        if has_line:
+            through = mass_flow(line_area, outlet, wall, pressure, temperature, critical)
+            line_mass += STEP * (inflow - exhausted - through)
+        entering = max(through, 0.0)
+        leaving = max(-through, 0.0) + leaked
+
+        # stem
+        pull = (
+            gas_space.diaphragm_area(chamber, x) * gauge
+            - spindle.spring_force(stem, x, relaxed_x)
+            - spindle.fluid_force(stem, x)
+            + spindle.stop_force(stem, x, v)
+        )
+        v = spindle.next_velocity(stem, x, v, pull, gauge, STEP)
+        x += STEP * v
+        relaxed_x += relax_share * (x - relaxed_x)
+
+        volume_before, volume = volume, gas_space.gas_volume(chamber, x)
+        if not isothermal:
+            temperature += STEP * gas_space.warming(
+                chamber, mass, temperature, wall, entering, outlet_temperature, leaving,
+                pressure * (volume - volume_before) / STEP,
+            )  # fmt: skip
+        mass += STEP * (entering - leaving)
+        supplied += STEP * inflow
+        released += STEP * (exhausted + leaked)
+        supply_pressure += regulator_share * (
+            regulated_pressure(supply, inflow, time) - supply_pressure
+        )
+        back += back_share * (back_target - back)
+    return rows
