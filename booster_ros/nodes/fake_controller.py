@@ -87,7 +87,7 @@ class FakeController(Node):
     def _make_pace(self, time: NodeTime) -> Pace:
         settings = self._settings
         if settings.lockstep:
-            return Lockstep(self, settings.positioner, settings.rate, self._is_delivered)
+            return Lockstep(self, settings.positioner, settings.rate)
         return RealTime(self, time, settings.rate, lambda: self.get_logger().warning(
             'the clock jumped backwards: the profile goes on from where it was'))
 
@@ -158,9 +158,6 @@ class FakeController(Node):
     def repeat(self) -> None:
         """Send the last command again."""
         self._currents.publish(Float64(data=self._current))
-
-    def _is_delivered(self) -> bool:
-        return self._currents.wait_for_all_acked(DELIVERY_TIMEOUT)
 
     def _on_output(self, column: str, value: float, stamp: int) -> None:
         if column == 'valve_position':

@@ -7,7 +7,6 @@ Nothing depends on how fast messages travel: a step is asked for when the comman
 and the next command is sent when the outputs of that step are here.
 """
 
-from collections.abc import Callable
 import math
 from typing import Any
 
@@ -23,6 +22,9 @@ from ..model.parameters import ParameterError
 from .pace import Player
 from .tick_clock import NANOSECONDS
 
+PATIENCE = 5.0
+"""Seconds of real time after which a positioner that does not answer is given up."""
+
 QUIET = 0.2
 """Seconds in which the last messages of a positioner that was just paused arrive."""
 
@@ -31,18 +33,15 @@ class Lockstep:
     """
     Advances one positioner from its initial state; its name is as seen from `node`.
 
-    `is_delivered` says whether the command has been received. The first output is the initial
-    state; each output is stamped with its tick, whatever the clocks show.
+    The first output is the initial state; each output is stamped with its tick, whatever the
+    clocks show.
     """
 
-    def __init__(
-        self, node: Node, positioner: str, rate: float, is_delivered: Callable[[], bool]
-    ) -> None:
+    def __init__(self, node: Node, positioner: str, rate: float) -> None:
         self.start = 0
         self._node = node
         self._positioner = positioner
         self._rate = rate
-        self._is_delivered = is_delivered
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._pause = node.create_client(SetBool, f'{positioner}/pause')
         self._reset = node.create_client(Trigger, f'{positioner}/reset')
@@ -51,6 +50,7 @@ class Lockstep:
         self._period = 0
         self._samples: dict[str, int] = {}
         self._awaited = 0
+        self._answers = self._answers_seen = 0
         self._arrival: Future | None = None
 
     def missing(self) -> list[str]:
@@ -61,12 +61,11 @@ class Lockstep:
         ]
 
     def begin(self, player: Player) -> None:
-        """Play from now on, as a task of the node's executor."""
-        async def play() -> None:
-            timer.cancel()
-            await self._play(player)
-
-        timer = self._node.create_timer(0.0, play, clock=self._clock)
+        """Play from now on, as a task beside the callbacks of the node."""
+        executor = self._node.executor
+        assert executor is not None
+        executor.create_task(self._play, player)
+        self._node.create_timer(PATIENCE, self._check_progress, clock=self._clock)
 
     def stamp(self, column: str, received: int) -> int | None:
         """Return the stamp of the tick that an output belongs to, None before the first."""
@@ -79,6 +78,11 @@ class Lockstep:
             self._arrival = None
         return stamp
 
+    def _check_progress(self) -> None:
+        if self._answers == self._answers_seen:
+            raise ParameterError(f'lockstep: {self._positioner} does not answer')
+        self._answers_seen = self._answers
+
     async def _play(self, player: Player) -> None:
         ticks = await self._prepare()
         await self._wait(QUIET)
@@ -88,8 +92,6 @@ class Lockstep:
         await self._outputs(1)
         for number in range(math.ceil(player.duration * self._rate - 1e-9)):
             player.send(number / self._rate, self.start + number * ticks * self._period)
-            if not self._is_delivered():
-                raise ParameterError(f'{self._positioner} does not receive commands')
             await self._call(self._step, Trigger.Request())
             await self._outputs(1 + (number + 1) * ticks)
         player.finish()
@@ -111,6 +113,7 @@ class Lockstep:
 
     async def _call(self, client: Any, request: Any) -> None:
         response = await client.call_async(request)
+        self._answers += 1
         if not response.success:
             raise ParameterError(f'lockstep: {client.srv_name}: {response.message}')
 

@@ -75,7 +75,8 @@ class Positioner(Node):
         self._reported: tuple[int, ...] = ()
         self._late_reported = self._bad_reported = 0
         self._clock_reported = -1
-        self.create_subscription(Float64, 'control_current', self._on_command, EVENT_DEPTH)
+        self._commands = self.create_subscription(
+            Float64, 'control_current', self._on_command, EVENT_DEPTH)
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(SetBool, '~/pause', self._on_pause)
         self.create_service(Trigger, '~/step', self._on_step)
@@ -238,10 +239,23 @@ class Positioner(Node):
             response.message = 'only a paused positioner steps: call ~/pause with data: true first'
             return response
         count = self._settings.step_ticks
+        self._take_waiting_commands()
         self._run_ticks(count)
         response.success = True
         response.message = f'{count} ticks, simulated time {seconds(self._ticks.simulated)} s'
         return response
+
+    def _take_waiting_commands(self) -> None:
+        """
+        Take over what has arrived before the request to step.
+
+        The executor asks for waiting messages before it asks for requests: a command and a request
+        that both arrive between the two would be handled in the wrong order.
+        """
+        waiting = self._commands.handle
+        with waiting:
+            while (taken := waiting.take_message(Float64, False)) is not None:
+                self._on_command(taken[0])
 
     # Diagnostics
 

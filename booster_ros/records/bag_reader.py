@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from booster_ros.records.bag_topics import READERS, Channel, choose_channels
@@ -88,9 +88,8 @@ def _one_line(error: Exception) -> str:
 def _read_samples(
     path: Path, topics: Mapping[str, str] | None, stamps: str
 ) -> dict[Channel, _Samples]:
-    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
-        if not bag.is2:
-            raise AnyReaderError('ROS 1 bags are not read')
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with Reader(path) as bag:
         available = {connection.topic: connection.msgtype for connection in bag.connections}
         channels = choose_channels(available, topics, stamps)
         by_topic = defaultdict(list)
@@ -99,7 +98,7 @@ def _read_samples(
         wanted = [connection for connection in bag.connections if connection.topic in by_topic]
         raw: dict[Channel, list[tuple[int, int, float]]] = {channel: [] for channel in channels}
         for connection, received, data in bag.messages(wanted):
-            message = bag.deserialize(data, connection.msgtype)
+            message = types.deserialize_cdr(data, connection.msgtype)
             stamp = _header_stamp(message)
             for channel in by_topic[connection.topic]:
                 value = READERS[channel.message_type](message, channel)
