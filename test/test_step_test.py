@@ -8,19 +8,22 @@ import pytest
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
 from booster_ros.paper.printed import table_3
-from booster_ros.paper.step_test import STEP_CURRENT, profile, upward_steps
+from booster_ros.paper.step_test import DURATION, DWELL, STEP_CURRENT, levels, upward_steps
 
 
-def test_profile_is_the_papers():
-    time, current = profile()
-    assert list(current[:4]) == [0.0, STEP_CURRENT, 0.0, STEP_CURRENT]
-    assert np.all(np.diff(time) > 0.0)
+def test_the_levels_are_the_papers():
+    changes = [levels()[0]]
+    for level in levels():
+        if level != changes[-1]:
+            changes.append(level)
+    assert changes == [0.0, STEP_CURRENT, 0.0, STEP_CURRENT]
+    assert len(levels()) * DWELL == DURATION
 
 
 def test_the_model_gives_the_papers_simulated_column():
-    corners, currents = profile()
-    time = np.arange(0.0, corners[-1], 0.01)
-    current = currents[np.searchsorted(corners, time, side='right') - 1]
+    rows_per_level = 200
+    current = np.repeat(levels(), rows_per_level)
+    time = np.arange(len(current)) * (DWELL / rows_per_level)
     run = simulate(from_values({}), time, current)
     responses = upward_steps(time, current, run['chamber_pressure'])
     assert len(responses) == 2

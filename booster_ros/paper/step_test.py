@@ -13,7 +13,10 @@ from .indices import StepIndices, step_indices
 STEP_CURRENT = 0.4524e-3
 """Section IV, A."""
 
-REST = 2.0
+DWELL = 4.0
+"""How long a level stands, s; a step is held over several levels of the same height."""
+
+REST = 4.0
 """How long the test waits at 0 mA before the first step, s."""
 
 RESPONSE = 40.0
@@ -21,6 +24,16 @@ RESPONSE = 40.0
 
 VENTING = 12.0
 """How long it vents, s: the chamber is empty after less than 10 s."""
+
+DURATION = REST + RESPONSE + VENTING + RESPONSE
+
+
+def levels() -> list[float]:
+    """Return the currents in A of the test, each of which stands for `DWELL`."""
+    stretches = [(0.0, REST), (STEP_CURRENT, RESPONSE), (0.0, VENTING), (STEP_CURRENT, RESPONSE)]
+    return [
+        current for current, duration in stretches for _ in range(round(duration / DWELL))
+    ]
 
 
 class StepResponse(NamedTuple):
@@ -32,13 +45,6 @@ class StepResponse(NamedTuple):
     def indices(self) -> StepIndices:
         """Return the four figures of Table III."""
         return step_indices(self.time, self.pressure)
-
-
-def profile() -> tuple[np.ndarray, np.ndarray]:
-    """Return the test as times in s and currents in A that stand from row to row."""
-    durations = [REST, RESPONSE, VENTING, RESPONSE]
-    time = np.concatenate(([0.0], np.cumsum(durations)))
-    return time, np.array([0.0, STEP_CURRENT, 0.0, STEP_CURRENT, STEP_CURRENT])
 
 
 def upward_steps(

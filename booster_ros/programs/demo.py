@@ -20,13 +20,11 @@ import subprocess
 import sys
 from typing import IO
 
-import numpy as np
-
 from ..paper.indices import StepIndices
 from ..paper.printed import PrintedIndex, table_3
-from ..paper.step_test import profile, upward_steps
+from ..paper.step_test import DURATION, DWELL, levels, upward_steps
 from ..paper.step_test_figure import draw_step_test
-from ..records import CsvWriter, Record, RecordError, read_record
+from ..records import Record, RecordError, read_record
 from .ros_domain import claim_domain
 
 TICKS_PER_SECOND = 500
@@ -72,19 +70,17 @@ def main(args: Sequence[str] | None = None) -> int:
 
 def play_step_test(out: Path) -> Record:
     """Let the two nodes play the test, and return what the controller recorded."""
-    time, current = profile()
-    with CsvWriter(out / 'profile.csv', ('time', 'control_current')) as table:
-        table.write_rows(np.column_stack((time, current)))
     log = out / 'positioner.log'
     with own_domain(os.environ) as environment, log.open('w') as sink:
         print(
             f'Two nodes in ROS domain {environment["ROS_DOMAIN_ID"]} play the step test, '
-            f'{time[-1]:.0f} s in real time. The positioner logs to {log}.',
+            f'{DURATION:.0f} s in real time. The positioner logs to {log}.',
             flush=True,
         )
         settings = {
-            'profile': 'csv',
-            'csv_file': str(out / 'profile.csv'),
+            'profile': 'steps',
+            'levels': levels(),
+            'dwell': DWELL,
             'feedback': 'stamped',
             'record_csv': str(out / 'record.csv'),
         }
