@@ -20,6 +20,7 @@ class NodeTime:
     def __init__(self, node: Node) -> None:
         self._node_clock = cast(ROSClock, node.get_clock())
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._offset = 0
 
     @property
     def follows_clock_topic(self) -> bool:
@@ -36,7 +37,17 @@ class NodeTime:
         return self.clock.now().nanoseconds
 
     def stamp_offset(self) -> int:
-        """Return what to add to a time of this clock to get the node's clock, ns."""
+        """
+        Return what to add to a time of this clock to get the node's clock, ns.
+
+        The two clocks cannot be read at once. The offset changes only where two readings of one
+        around a reading of the other rule the old one out, so that stamps are as even as ticks
+        and do not step back where the process was held up between readings.
+        """
         if self.follows_clock_topic:
             return 0
-        return self._node_clock.now().nanoseconds - self._steady_clock.now().nanoseconds
+        before = self._steady_clock.now().nanoseconds
+        stamp = self._node_clock.now().nanoseconds
+        after = self._steady_clock.now().nanoseconds
+        self._offset = min(max(self._offset, stamp - after), stamp - before)
+        return self._offset
