@@ -14,6 +14,7 @@ import sys
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
+from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.utilities import try_shutdown
@@ -69,7 +70,7 @@ class FakeController(Node):
 
         self._status = self.create_publisher(
             String, '~/status',
-            QoSProfile(depth=QUEUE_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+            QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self._currents = self.create_publisher(Float64, 'control_current', QUEUE_DEPTH)
         self._set_points = self.create_publisher(Float64, '~/set_point', QUEUE_DEPTH)
         time = NodeTime(self)
@@ -165,7 +166,7 @@ class FakeController(Node):
         if self._phase != PLAYING:
             return
         own_stamp = self._pace.stamp(column, stamp)
-        if own_stamp is not None:
+        if own_stamp is not None and own_stamp >= self._pace.start:
             self._record_output(column, value, own_stamp)
 
     def _record_output(self, column: str, value: float, stamp: int) -> None:
@@ -181,9 +182,10 @@ class FakeController(Node):
         """Complete the recording, say so, and end unless told to stay."""
         self._progress.show(self.duration)
         self._close_recording()
+        if self._recorded_to():
+            self.get_logger().info(self._recorded_to())
         self._enter(DONE)
         if not self._settings.keep_alive:
-            self._currents.wait_for_all_acked(DELIVERY_TIMEOUT)
             self._status.wait_for_all_acked(DELIVERY_TIMEOUT)
             try_shutdown(context=self.context)
 
@@ -193,9 +195,10 @@ class FakeController(Node):
             self._recording.close()
         except RecordError as error:
             raise ParameterError(f'recording: {error}') from None
-        for path in (self._settings.record_csv, self._settings.record_bag):
-            if path:
-                self.get_logger().info(f'recorded {self._recording.rows} samples to {path}')
+
+    def _recorded_to(self) -> str:
+        paths = [path for path in (self._settings.record_csv, self._settings.record_bag) if path]
+        return f'{self._recording.rows} samples recorded to {" and ".join(paths)}' if paths else ''
 
     def destroy_node(self) -> None:
         """Complete a recording that has been interrupted, remove one that has not begun."""
@@ -203,9 +206,10 @@ class FakeController(Node):
             self._recording.discard()
         elif self._phase == PLAYING:
             self._close_recording()
-            self.get_logger().warning(
-                f'interrupted: played {self._played:.2f} of {self.duration:g} s, what is recorded '
-                'is partial')
+            # The node's own logger also publishes, which it no longer can.
+            get_logger(f'{self.get_logger().name}.end').warning(
+                f'interrupted after {self._played:.2f} of {self.duration:g} s; partial: '
+                f'{self._recorded_to() or "nothing recorded"}')
         super().destroy_node()
 
 

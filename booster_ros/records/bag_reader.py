@@ -12,7 +12,7 @@ import numpy as np
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
-from booster_ros.records.bag_topics import READERS, Channel, choose_channels
+from booster_ros.records.bag_topics import READERS, STATE_TYPE, Channel, choose_channels
 from booster_ros.records.record import Array, Defect, RecordError
 from booster_ros.records.time_base import Signal, merge
 from booster_ros.records.units import check_finite, check_units
@@ -134,8 +134,16 @@ def _signals(samples: Mapping[Channel, _Samples], stamps: str, source: str) -> d
     for channel, time in chosen.items():
         order = np.argsort(time, kind='stable')
         seconds = (time[order] - zero) * _NANOSECONDS
-        signals[channel.column] = Signal(channel.topic, seconds, samples[channel].values[order])
+        signal = Signal(channel.topic, seconds, samples[channel].values[order])
+        if channel.message_type == STATE_TYPE and channel.column == 'control_current':
+            signal = _from_tick_before(signal)
+        signals[channel.column] = signal
     return signals
+
+
+def _from_tick_before(state: Signal) -> Signal:
+    """Return the current in the state as a command: it led from the tick before to this one."""
+    return Signal(state.source, state.time[:-1], state.values[1:])
 
 
 def _header_stamps(samples: Mapping[Channel, _Samples], source: str) -> dict[Channel, Array]:

@@ -44,16 +44,33 @@ def _named(names: list[str], values: Any, channel: Channel) -> float:
     )
 
 
+def _state(message: Any, channel: Channel) -> float:
+    """Return a value of the positioner's state, which names its fields and writes numbers out."""
+    for status in message.status:
+        for entry in status.values:
+            if entry.key == channel.element:
+                return float(entry.value)
+    raise RecordError(f'topic {channel.topic} has no value {channel.element}')
+
+
+STATE_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
+
 READERS: Mapping[str, Callable[[Any, Channel], float]] = {
     'std_msgs/msg/Float64': _data,
     'std_msgs/msg/Float32': _data,
     'sensor_msgs/msg/FluidPressure': _gauge_pressure,
     'sensor_msgs/msg/JointState': _joint_position,
+    STATE_TYPE: _state,
 }
 """How to read a value from a message, by message type."""
 
 _STAMPED = ('sensor_msgs/msg/FluidPressure', 'sensor_msgs/msg/JointState')
 _SUFFIX = '_stamped'
+_STATE_TOPIC = 'state'
+_STATE_FIELDS = {
+    'chamber_pressure': 'measured_chamber_pressure',
+    'valve_position': 'measured_valve_position',
+}
 
 
 def choose_channels(
@@ -64,6 +81,7 @@ def choose_channels(
 
     A topic belongs to the column it is called after, in whatever namespace, with or without
     `_stamped`. Where both are there, bag time prefers the plain type and header time the stamped
+    one. What has no topic of its own is taken from the state of the positioner, where there is
     one. RecordError where two namespaces offer a column, or a topic asked for cannot be read.
     """
     wanted = dict(topics or {})
@@ -71,11 +89,15 @@ def choose_channels(
         if column not in COLUMNS or column == 'time':
             raise RecordError(f'topics: {column!r} is not a column of a record')
     channels = []
-    for column in COLUMNS:
+    states = [topic for topic in available if _is_state(topic, available)]
+    for column in list(COLUMNS)[1:]:
         if column in wanted:
             channels.append(_asked_for(column, wanted[column], available))
         elif candidates := [topic for topic in available if _belongs(topic, column, available)]:
             channels.append(_preferred(column, candidates, available, stamps))
+        elif len(states) == 1:
+            field = _STATE_FIELDS.get(column, column)
+            channels.append(Channel(column, states[0], STATE_TYPE, field))
     if not channels:
         raise RecordError(f'no topic is called after a column; there are {_listing(available)}')
     return channels
@@ -93,7 +115,13 @@ def _asked_for(column: str, target: str, available: Mapping[str, str]) -> Channe
             f'topic {topic} for column {column} is of type {available[topic]}, not one of '
             f'{", ".join(READERS)}'
         )
+    if available[topic] == STATE_TYPE and not element:
+        element = _STATE_FIELDS.get(column, column)
     return Channel(column, topic, available[topic], element)
+
+
+def _is_state(topic: str, available: Mapping[str, str]) -> bool:
+    return available[topic] == STATE_TYPE and _stem(topic) == _STATE_TOPIC
 
 
 def _belongs(topic: str, column: str, available: Mapping[str, str]) -> bool:
