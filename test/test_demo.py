@@ -1,0 +1,54 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The demo: its table, and its end when it is interrupted."""
+
+import contextlib
+import os
+from pathlib import Path
+
+from ros_process import RosProcess, program
+
+from booster_ros.paper.indices import StepIndices
+from booster_ros.paper.printed import table_3
+from booster_ros.programs.demo import comparison
+
+
+def test_the_table_shows_the_paper_and_every_step():
+    played = [StepIndices(270.0, 6.1, 9.6, 38000.0), StepIndices(271.0, 6.2, 9.7, 38400.0)]
+    lines = comparison(played, table_3()).splitlines()
+    rows = {line[:24].strip(): line[32:].split() for line in lines}
+    assert rows['final pressure'] == ['270.3', '270.3', '270.0', '271.0', '+0.07%']
+    assert rows['rise time, 10 to 90 %'] == ['6.46', '6.10', '6.10', '6.20', '+0.82%']
+    assert rows['settling time, 5 %'] == ['9.68', '9.62', '9.60', '9.70', '+0.31%']
+    assert rows['integral square error'] == ['40899', '38087', '38000', '38400', '+0.30%']
+
+
+def processes_with(mark: str) -> list[Path]:
+    """Return the processes of this machine in whose environment the mark stands."""
+    found = []
+    for path in Path('/proc').glob('[0-9]*/environ'):
+        with contextlib.suppress(OSError):  # it has ended, or is somebody else's
+            if mark.encode() in path.read_bytes():
+                found.append(path.parent)
+    return found
+
+
+def test_an_interrupted_demo_ends_both_nodes(tmp_path):
+    mark = f'DEMO_UNDER_TEST={tmp_path}'
+    environment = dict(os.environ, DEMO_UNDER_TEST=str(tmp_path))
+    with RosProcess(program('demo', '--out', str(tmp_path)), environment) as demo:
+        demo.wait_for('playing')
+        assert len(processes_with(mark)) == 3
+        assert demo.interrupt() == 130, demo.output
+        assert processes_with(mark) == []
+    assert 'Traceback' not in demo.output
+    assert 'Traceback' not in (tmp_path / 'positioner.log').read_text()
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path):
+    (tmp_path / 'file').touch()
+    with RosProcess(program('demo', '--out', str(tmp_path / 'file' / 'out'))) as demo:
+        assert demo.wait() == 2
+    assert demo.stdout == []
+    (complaint,) = demo.stderr
+    assert str(tmp_path / 'file') in complaint
