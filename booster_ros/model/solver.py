@@ -151,11 +151,12 @@ def _event(p, time, current, direction, y) -> float:
     """
     Return a quantity that rises through zero when the stem's regime ends.
 
-    While sliding: velocity against the direction, m/s. While stuck: force beyond break-away, N.
+    While sliding: velocity against the direction, m/s. While stuck: force beyond break-away, N, by
+    so much that a stem which is found there does slide.
     """
     if direction != 0.0:
         return -y[VELOCITY] * direction
-    return breakaway_excess(p, time, current, y)
+    return breakaway_excess(p, time, current, y) - EVENT_FORCE
 
 
 def _step_to_event(p, time, current, direction, y, step, active, count, w) -> float:
@@ -183,10 +184,10 @@ def _step_to_event(p, time, current, direction, y, step, active, count, w) -> fl
         else:
             early, before = middle, value
             after *= 0.5
-    if before >= 0.0:
+    if before >= 0.0 or middle < SMALLEST_STEP:
         middle = SMALLEST_STEP
         _rodas3(p, time, current, direction, y, middle, active, count, w)
-    return max(middle, 0.5 * SMALLEST_STEP)
+    return middle
 
 
 def advance(
