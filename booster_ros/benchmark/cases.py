@@ -1,0 +1,54 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The runs on which accuracy and speed are measured."""
+
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple
+
+import numpy as np
+
+from ..model.parameters import from_values
+from ..model.system import PositionerParameters
+
+PAPER_CURRENT = 0.4524e-3
+"""Current of the paper's step test, A (section IV.B)."""
+
+ROW = 0.01
+"""Distance of the rows of a case, s: the rate at which records are usually made."""
+
+
+class Case(NamedTuple):
+    """A run: parameters, rows of time (s) and current (A), and states at the first row."""
+
+    name: str
+    parameters: PositionerParameters
+    time: np.ndarray
+    control_current: np.ndarray
+    initial: Mapping[str, float]
+
+
+def paper_test(leg: float = 15.0) -> Case:
+    """Return the paper's 0 - 0.4524 - 0 - 0.4524 mA from rest, `leg` s for each level."""
+    time = np.arange(round((1.0 + 3.0 * leg) / ROW) + 1) * ROW
+    since = time - 1.0
+    on = (since >= -1e-9) & ((since < leg - 1e-9) | (since >= 2.0 * leg - 1e-9))
+    return Case(
+        'paper test', from_values({}), time, np.where(on, PAPER_CURRENT, 0.0), {}
+    )
+
+
+def stick_slip(length: float = 40.0) -> Case:
+    """Return a current that rises and falls so slowly that a stem with stiction moves in jumps."""
+    parameters = from_values({
+        'actuator.coulomb_friction': 400.0,
+        'actuator.stiction': 300.0,
+        'actuator.stribeck_velocity': 1e-3,
+    })
+    time = np.arange(round(length / ROW) + 1) * ROW
+    low, high = 0.405e-3, 0.455e-3
+    rising = np.where(time < 0.5 * length, time, length - time) / (0.5 * length)
+    current = low + (high - low) * rising
+    return Case(
+        'stick-slip', parameters, time, current, {'chamber_pressure': 160e3}
+    )
