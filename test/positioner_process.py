@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -71,13 +72,22 @@ class Bench:
         response = self.trigger('step')
         assert response.success, response.message
 
-    def wait_for_subscriptions(self) -> None:
-        """Wait until the node knows every subscription of the client."""
-        def matched() -> bool:
-            return all(
-                subscription.get_publisher_count() > 0
-                for subscription in self.client.node.subscriptions)
-        self.client.spin_until(matched)
+    def listen(self, **kinds: type) -> list[list[Any]]:
+        """
+        Subscribe to topics of a paused positioner; return a list of messages, still empty, of each.
+
+        A subscription may know its publisher before the publisher knows it, and what is published
+        in between is lost. A reset publishes once: when that has come, all that follows will.
+        """
+        received = [self.client.listen(topic.replace('__', '/'), kind)
+                    for topic, kind in kinds.items()]
+        while not all(received):
+            self.trigger('reset')
+            with contextlib.suppress(AssertionError):
+                self.client.spin_until(lambda: all(received), timeout=5.0)
+        for messages in received:
+            messages.clear()
+        return received
 
 
 def state_of(message: DiagnosticArray) -> dict[str, float]:

@@ -38,7 +38,11 @@ class RosClient:
         end = time.monotonic() + timeout
         while not done():
             assert time.monotonic() < end, f'nothing came of it in {timeout} s'
-            self._executor.spin_once(timeout_sec=0.05)
+            self.spin_once()
+
+    def spin_once(self) -> None:
+        """Handle one thing that arrives, or let a moment pass."""
+        self._executor.spin_once(timeout_sec=0.05)
 
     def listen(self, topic: str, kind: type, depth: int = 1000) -> list[Any]:
         """Subscribe, and return the list to which each message is appended as it arrives."""

@@ -44,8 +44,7 @@ def bench(shared_bench):
 
 def played(bench, ticks=40):
     """Return the pressures of a lockstep run: rest, a step, zero again."""
-    pressures = bench.client.listen('chamber_pressure', Float64)
-    bench.wait_for_subscriptions()
+    pressures, = bench.listen(chamber_pressure=Float64)
     bench.trigger('reset')
     for current in (0.0, CURRENT, 0.0):
         bench.command(current)
@@ -73,10 +72,9 @@ def test_two_runs_are_bit_identical(bench):
 
 
 def test_each_tick_is_published_on_every_topic_one_period_apart(bench):
-    pressures = bench.client.listen('chamber_pressure_stamped', FluidPressure)
-    positions = bench.client.listen('valve_position_stamped', JointState)
-    states = bench.client.listen('positioner/state', DiagnosticArray)
-    bench.wait_for_subscriptions()
+    pressures, positions, states = bench.listen(
+        chamber_pressure_stamped=FluidPressure, valve_position_stamped=JointState,
+        positioner__state=DiagnosticArray)
     bench.command(CURRENT)
     bench.step(25)
     bench.step(25)
@@ -97,8 +95,7 @@ def test_each_tick_is_published_on_every_topic_one_period_apart(bench):
 
 
 def test_the_state_names_every_output_and_its_unit(bench):
-    states = bench.client.listen('positioner/state', DiagnosticArray)
-    bench.wait_for_subscriptions()
+    states, = bench.listen(positioner__state=DiagnosticArray)
     bench.step(1)
     bench.client.spin_until(lambda: len(states) > 0)
     assert set(state_of(states[0])) == set(Plant(PositionerParameters()).outputs()._fields)
@@ -106,8 +103,7 @@ def test_the_state_names_every_output_and_its_unit(bench):
 
 
 def test_a_reset_goes_to_the_given_state(bench):
-    states = bench.client.listen('positioner/state', DiagnosticArray)
-    bench.wait_for_subscriptions()
+    states, = bench.listen(positioner__state=DiagnosticArray)
     bench.step(3)
     assert bench.set(
         initial_state__chamber_pressure=225e3, initial_state__valve_position=0.004,
@@ -122,8 +118,7 @@ def test_a_reset_goes_to_the_given_state(bench):
 
 
 def test_a_reset_without_a_position_lets_the_spring_find_it(bench):
-    positions = bench.client.listen('valve_position', Float64)
-    bench.wait_for_subscriptions()
+    positions, = bench.listen(valve_position=Float64)
     assert bench.set(initial_state__chamber_pressure=225e3).successful
     bench.trigger('reset')
     bench.client.spin_until(lambda: len(positions) >= 1)
@@ -132,9 +127,8 @@ def test_a_reset_without_a_position_lets_the_spring_find_it(bench):
 
 @pytest.mark.parametrize(('policy', 'current'), [('hold', CURRENT), ('vent', 0.0)])
 def test_a_command_goes_stale_after_its_timeout(bench, policy, current):
-    states = bench.client.listen('positioner/state', DiagnosticArray)
     diagnostics = bench.client.listen('/diagnostics', DiagnosticArray)
-    bench.wait_for_subscriptions()
+    states, = bench.listen(positioner__state=DiagnosticArray)
     assert bench.set(command_timeout=0.1, stale_command=policy).successful
     bench.command(CURRENT)
     bench.step(15)
@@ -143,7 +137,7 @@ def test_a_command_goes_stale_after_its_timeout(bench, policy, current):
     assert currents[:11] == [CURRENT] * 11
     assert currents[11:] == [current] * 4
     bench.client.spin_until(
-        lambda: report_of(diagnostics[-1], 'command').message.startswith('stale'))
+        lambda: any(report_of(m, 'command').message.startswith('stale') for m in diagnostics))
     bench.command(2e-4)
     bench.step(1)
     bench.client.spin_until(lambda: len(states) >= 16)
@@ -158,15 +152,13 @@ def test_while_paused_nothing_moves_and_diagnostics_say_so(bench):
     assert report_of(diagnostics[-1], 'time').message == 'paused by ~/pause'
 
 
-def test_going_on_after_a_pause_owes_nothing(bench):
+def test_after_a_pause_ticks_go_on_where_they_stood(bench):
+    states, = bench.listen(positioner__state=DiagnosticArray)
     bench.step(5)
-    states = bench.client.listen('positioner/state', DiagnosticArray)
-    diagnostics = bench.client.listen('/diagnostics', DiagnosticArray)
-    bench.wait_for_subscriptions()
     assert bench.pause(False).message == 'running'
-    bench.client.spin_until(lambda: len(states) >= 3 and len(diagnostics) >= 1)
-    assert state_of(states[0])['time'] == pytest.approx(0.06)
-    assert float(details(report_of(diagnostics[-1], 'time'))['longest delay [s]']) < 5.0
+    bench.client.spin_until(lambda: len(states) >= 8)
+    assert [state_of(state)['time'] for state in states[:8]] == pytest.approx(
+        [0.01 * (k + 1) for k in range(8)])
 
 
 def test_only_a_paused_positioner_steps(bench):

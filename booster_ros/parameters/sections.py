@@ -61,7 +61,7 @@ def read_sections(path: str | Path) -> list[Section]:
         place = f', line {mark.line + 1}' if mark is not None else ''
         raise ParameterError(f'{path}{place}: not YAML: {error.problem}') from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise ParameterError(f'{path}: not YAML: {error}') from None
+        raise ParameterError(f'{path}: not YAML: {" ".join(str(error).split())}') from None
     except _LayoutError as error:
         raise ParameterError(f'{path}{error}') from None
 

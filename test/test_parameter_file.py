@@ -1,0 +1,187 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameter files in ROS 2's format, read and written without ROS."""
+
+import os
+from pathlib import Path
+
+from hypothesis import given, settings, strategies as st
+import pytest
+import yaml
+
+from booster_ros.model.parameters import DESCRIPTIONS, ParameterError, from_values, to_values
+from booster_ros.parameters.file import read_parameter_file, write_parameter_file
+from booster_ros.parameters.sections import is_for
+
+CONFIG = Path(__file__).parent.parent / 'config' / 'positioner.yaml'
+
+
+@pytest.fixture
+def file(tmp_path):
+    """Return a function that writes a parameter file and returns its path."""
+    def write(text):
+        path = tmp_path / 'p.yaml'
+        path.write_text(text)
+        return path
+    return write
+
+
+def section(text, node='/**'):
+    indented = '\n'.join(f'    {line}' for line in text.splitlines())
+    return f'{node}:\n  ros__parameters:\n{indented}\n'
+
+
+def test_the_shipped_file_is_the_default_positioner():
+    read = read_parameter_file(CONFIG)
+    assert from_values(read.physical) == from_values({})
+    assert read.node == {}
+    declared = {name for name in DESCRIPTIONS if DESCRIPTIONS[name].source.startswith(
+        ('paper', 'MODEL', 'fitted', 'makes'))}
+    assert declared - {'booster.orifice_law'} <= set(read.physical)
+
+
+def test_every_number_of_the_shipped_file_says_where_it_is_from():
+    lines = [line for line in CONFIG.read_text().splitlines() if line[:1] == ' ']
+    numbers = [line for line in lines if not line.split('#')[0].rstrip().endswith(':')]
+    assert len(numbers) == 18
+    assert all(len(line.partition('#')[2].split()) > 1 for line in numbers)
+
+
+@pytest.mark.parametrize(('text', 'value'), [
+    ('400000', 400e3), ('400e3', 400e3), ('4.0E+5', 400e3), ('4e5', 400e3), ('+4.e5', 400e3),
+])
+def test_numbers_are_read_as_ros_reads_them(file, text, value):
+    read = read_parameter_file(file(section(f'supply:\n  pressure: {text}')))
+    assert read.physical == {'supply.pressure': value}
+    assert isinstance(read.physical['supply.pressure'], float)
+
+
+def test_dotted_names_lists_and_the_nodes_own_parameters(file):
+    read = read_parameter_file(file(section(
+        'actuator.bench_set: [140000, 290000]\npublish_rate: 50\ninvalid_current: limit\n'
+        'use_sim_time: true\nqos_overrides./clock.subscription.depth: 3')))
+    assert read.physical == {'actuator.bench_set': (140e3, 290e3)}
+    assert read.node == {'publish_rate': 50.0, 'invalid_current': 'limit'}
+
+
+def test_a_section_for_the_node_overrides_the_general_one_wherever_it_stands(file):
+    path = file(
+        section('publish_rate: 20.0', 'positioner')
+        + section('publish_rate: 10.0\nstep_ticks: 3')
+        + section('anything: 1', 'fake_controller'))
+    assert read_parameter_file(path).node == {'publish_rate': 20.0, 'step_ticks': 3}
+    assert read_parameter_file(path, '/positioner').node['publish_rate'] == 20.0
+    assert read_parameter_file(path, '/a/positioner').node['publish_rate'] == 10.0
+
+
+def test_nested_namespaces(file):
+    path = file('line_a:\n  positioner:\n    ros__parameters:\n      step_ticks: 7\n')
+    assert read_parameter_file(path).node == {'step_ticks': 7}
+    assert read_parameter_file(path, '/line_a/positioner').node == {'step_ticks': 7}
+    with pytest.raises(ParameterError, match=r'has no section for /line_b/positioner'):
+        read_parameter_file(path, '/line_b/positioner')
+
+
+def test_two_positioners_in_one_file_must_be_told_apart(file):
+    path = file(section('step_ticks: 1', '/a/positioner') + section(
+        'step_ticks: 2', '/b/positioner'))
+    with pytest.raises(ParameterError, match='/a/positioner, /b/positioner: more than one'):
+        read_parameter_file(path)
+    assert read_parameter_file(path, '/b/positioner').node == {'step_ticks': 2}
+
+
+@pytest.mark.parametrize(('text', 'sentence'), [
+    (section('booster:\n  opening_gian: 1e-6'),
+     'line 4: there is no parameter booster.opening_gian; did you mean booster.opening_gain?'),
+    (section('supply:\n  pressure: four'), 'line 4: supply.pressure must be a number in Pa'),
+    (section('supply:\n  pressure: .nan'), 'line 4: supply.pressure must be finite'),
+    (section('supply:\n  pressure:'), 'line 4: supply.pressure has no value'),
+    (section('actuator:\n  bench_set: [150000, 300e3]'), 'line 4: actuator.bench_set mixes types'),
+    (section('actuator:\n  bench_set: [3e5, 1e5]'), 'actuator.bench_set must rise'),
+    (section('booster: {s1: 1e-6}'), 'booster.s1'),
+    (section('step_ticks: 1.5'), 'line 3: step_ticks must be a whole number'),
+    (section('step_ticks: 1\nstep_ticks: 2'), 'line 4: step_ticks is given again, first in line 3'),
+    (section('start_paused: 1'), 'line 3: start_paused must be true or false'),
+    (section('invalid_current: clip'), 'invalid_current must be one of refuse, limit'),
+    (section('publish_rate: 2000'), 'integration_step'),
+    (section('current_limits: [0.002, 0.0]'), 'current_limits must rise'),
+    (section('initial_state: {control_current: 0.1}'), 'initial_state.control_current'),
+    (section('initial_state: {valve_position: 0.1}'), 'initial_state.valve_position'),
+    (section('step_ticks: 1', 'fake_controller'),
+     r'has no section for positioner \(sections: /fake_controller\)'),
+    ('supply:\n  pressure: 1\n', 'line 2: a ROS 2 parameter file has'),
+    ('ros__parameters:\n  step_ticks: 1\n', 'line 1: `ros__parameters:` belongs below a node'),
+    ('/**:\n  ros__parameters: 3\n', 'line 2: `ros__parameters:` holds no parameters'),
+    ('', 'a ROS 2 parameter file has'),
+    ('a: [1, 2\n', 'not YAML'),
+    ('a: "\x01"', 'not YAML'),
+    ('a: &x\n  b: *x\n', 'not YAML'),
+])
+def test_what_is_wrong_is_said_in_one_sentence_with_its_place(file, text, sentence):
+    path = file(text)
+    with pytest.raises(ParameterError, match=sentence) as caught:
+        read_parameter_file(path)
+    assert str(caught.value).startswith(f'{path}')
+    assert '\n' not in str(caught.value)
+
+
+def test_a_file_that_is_not_there_or_not_text(tmp_path):
+    with pytest.raises(ParameterError, match='No such file'):
+        read_parameter_file(tmp_path / 'none.yaml')
+    (tmp_path / 'b.yaml').write_bytes(b'\xff\xfe\x00')
+    with pytest.raises(ParameterError, match='UTF-8'):
+        read_parameter_file(tmp_path / 'b.yaml')
+
+
+@given(st.dictionaries(
+    st.sampled_from([n for n in DESCRIPTIONS if n.startswith('sensors.')]),
+    st.floats(0.0, 1.0)))
+@settings(max_examples=50, deadline=None)
+def test_what_is_written_is_read_back_exactly(tmp_path_factory, values):
+    path = tmp_path_factory.mktemp('written') / 'p.yaml'
+    parameters = from_values(values)
+    write_parameter_file(path, parameters)
+    assert from_values(read_parameter_file(path).physical) == parameters
+
+
+def test_a_written_file_is_plain_yaml_with_floats_that_every_reader_takes_for_floats(tmp_path):
+    path = tmp_path / 'p.yaml'
+    parameters = from_values({'booster.s3': 1e-6, 'actuator.leak_area': 2e-9,
+                              'booster.orifice_law': 'isentropic'})
+    write_parameter_file(path, parameters, heading='found\nby hand', comments={
+        'actuator.leak_area': 'chamber_leak'})
+    text = path.read_text()
+    assert text.startswith('# found\n# by hand\n/**:\n  ros__parameters:\n')
+    assert '      leak_area: 2.0e-09  # m^2; chamber_leak\n' in text
+    assert 'coulomb_friction' not in text
+    plain = yaml.safe_load(text)['/**']['ros__parameters']
+    assert plain['booster']['s3'] == 1e-6
+    assert plain['booster']['orifice_law'] == 'isentropic'
+    assert plain['actuator']['bench_set'] == [150e3, 300e3]
+    assert to_values(from_values(read_parameter_file(path).physical)) == to_values(parameters)
+
+
+def test_a_file_is_written_completely_or_not_at_all(tmp_path, monkeypatch):
+    path = tmp_path / 'p.yaml'
+    path.write_text('as it was')
+
+    def fail(*names):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, 'replace', fail)
+    with pytest.raises(KeyboardInterrupt):
+        write_parameter_file(path, from_values({}))
+    assert path.read_text() == 'as it was'
+    assert os.listdir(tmp_path) == ['p.yaml']
+
+
+@pytest.mark.parametrize(('name', 'node', 'matches'), [
+    ('/**', '/positioner', True), ('/**', '/a/b/positioner', True),
+    ('/*', '/positioner', True), ('/*', '/a/positioner', False),
+    ('/*/positioner', '/a/positioner', True), ('/**/positioner', '/a/b/positioner', True),
+    ('/**/positioner', '/positioner', True), ('/positioner', '/positioner', True),
+    ('positioner', '/positioner', True), ('/positioner', '/a/positioner', False),
+    ('/a/positioner', '/a/positioner2', False),
+])
+def test_which_sections_are_for_a_node(name, node, matches):
+    assert is_for(name, node) is matches
