@@ -1,0 +1,227 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The solver: order, accuracy, repeatability, and one source of equations for every way to run."""
+
+import math
+
+import numpy as np
+from positioner_runs import PAPER_CURRENT, current_for, paper_test, positioner, rows, settled_at
+import pytest
+
+from booster_ros.benchmark import cases
+from booster_ros.benchmark.reference import reference
+from booster_ros.model.compiled import compiled_run
+from booster_ros.model.simulation import Plant, active_states, settled_state, simulate
+from booster_ros.model.solver import advance, new_workspace
+from booster_ros.model.system import (
+    BACK,
+    CHAMBER,
+    MEMORIES,
+    POSITION,
+    STATES,
+    VELOCITY,
+    PositionerParameters,
+    start_memory,
+)
+
+EVERYTHING = {
+    'ep_converter.hysteresis': 1e-6,
+    'ep_converter.drift': 300.0,
+    'ep_converter.nonlinearity_odd': 200.0,
+    'ep_converter.dead_time': 0.123,
+    'booster.orifice_law': 'isentropic',
+    'booster.intake_preload': 0.02,
+    'booster.exhaust_preload': 0.03,
+    'booster.exhaust_gain_ratio': 0.8,
+    'booster.intake_flow_force': 0.3,
+    'booster.opening_exponent': 1.1,
+    'booster.knee_softness': 0.3,
+    'booster.supply_leak_area': 2e-9,
+    'booster.exhaust_leak_area': 3e-9,
+    'supply.droop': 1e7,
+    'supply.ripple': 500.0,
+    'tubing.restriction_area': 3e-6,
+    'actuator.leak_area': 1e-8,
+    'actuator.thermal_resistance': 0.5,
+    'actuator.area_change': 0.05,
+    'actuator.coulomb_friction': 200.0,
+    'actuator.stiction': 60.0,
+    'actuator.friction_gradient': 50.0,
+    'actuator.spring_bend': 100.0,
+    'actuator.seat_load': 300.0,
+    'actuator.flow_force': 150.0,
+    'sensors.pressure_lag': 0.05,
+    'sensors.position_lag': 0.1,
+    'sensors.position_backlash': 1e-4,
+    'discrepancy.location': 'chamber',
+    'discrepancy.variable': 'valve_position',
+    'discrepancy.high': 0.016,
+    'discrepancy.values': [1e-7 * k for k in range(12)],
+}
+
+
+def fixed_steps(step: float, horizon: float = 0.05) -> np.ndarray:
+    """Return the state after `horizon` s of filling, mid travel, flow below choking."""
+    p = positioner()
+    y = settled_state(p, float(current_for(200e3)), 200e3, None)
+    memory = [0.0] * MEMORIES
+    start_memory(p, 0.0, y, 1.0, memory)
+    active = active_states(p)
+    work = new_workspace()
+    for k in range(round(horizon / step)):
+        advance(p, k * step, float(current_for(260e3)), step, y, memory, active, len(active),
+                math.inf, work)
+    return np.array(y)
+
+
+def test_order_3_on_a_smooth_piece():
+    """Without error control, halving the step divides the error by 8."""
+    exact = fixed_steps(2e-3 / 256)
+    errors = np.array([np.abs(fixed_steps(2e-3 / 2**k) - exact) for k in range(4)])
+    for state in (BACK, CHAMBER, POSITION, VELOCITY):
+        orders = np.log2(errors[:-1, state] / errors[1:, state])
+        assert np.all(np.abs(orders - 3.0) < 0.15), state
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+@pytest.mark.parametrize('case', [cases.paper_test(2.0), cases.stick_slip(1.0)],
+                         ids=lambda case: case.name)
+def test_accuracy_against_another_integrator(case):
+    """A short and coarse version of what `accuracy` measures over the whole records."""
+    exact = reference(case, rtol=1e-8)
+    run = simulate(case.parameters, case.time, case.control_current, case.initial)
+    assert np.ptp(exact['valve_position']) > 0.5e-3
+    assert rms(run['valve_position'] - exact['valve_position']) < 5e-6
+    assert rms(run['chamber_pressure'] - exact['chamber_pressure']) < 50.0
+
+
+def test_tighter_tolerance_is_more_exact():
+    case = cases.paper_test(2.0)
+    exact = reference(case, rtol=1e-9)['chamber_pressure']
+
+    def error(tolerance: float) -> float:
+        run = simulate(
+            case.parameters, case.time, case.control_current, case.initial, tolerance=tolerance)
+        return rms(run['chamber_pressure'] - exact)
+
+    assert error(0.01) < 0.3 * error(1.0) < 0.3 * 0.3 * error(100.0)
+
+
+def test_error_does_not_grow_with_the_distance_of_the_rows():
+    ends = []
+    for dt in (1e-3, 0.01, 0.05, 0.25):
+        time, current = paper_test(dt)
+        run = simulate(positioner(), time, current, {'back_pressure': 0.0})
+        ends.append(run['chamber_pressure'][:: round(0.25 / dt)])
+    for other in ends[1:]:
+        assert np.abs(other - ends[0]).max() < 50.0
+
+
+@pytest.mark.parametrize('values', [{}, EVERYTHING], ids=['declared', 'all effects'])
+def test_two_runs_are_bit_identical(values):
+    time, current = paper_test()
+    one = simulate(positioner(values), time, current)
+    other = simulate(positioner(values), time, current)
+    for name, column in one.columns.items():
+        assert np.array_equal(column, other[name]), name
+
+
+@pytest.mark.parametrize('values', [{}, EVERYTHING], ids=['declared', 'all effects'])
+def test_machine_code_does_what_python_does(values):
+    """The same functions, so the same numbers to the last bit."""
+    if compiled_run() is None:
+        pytest.skip('numba is not installed')
+    time = rows(3.0)
+    current = np.where(time < 2.0, PAPER_CURRENT, current_for(180e3))
+    machine = simulate(positioner(values), time, current, settled_at(170e3))
+    plain = simulate(positioner(values), time, current, settled_at(170e3), compiled=False)
+    assert np.ptp(plain['valve_position']) > 1e-3
+    for name, column in plain.columns.items():
+        assert np.array_equal(machine[name], column), name
+
+
+def stepwise(parameters: PositionerParameters, time: np.ndarray, current: np.ndarray,
+             step: float) -> np.ndarray:
+    plant = Plant(parameters, step)
+    plant.reset(control_current=float(current[0]))
+    seen = [plant.outputs()]
+    for k in range(len(time) - 1):
+        plant.advance(float(current[k]), round((time[k + 1] - time[k]) / step))
+        seen.append(plant.outputs())
+    return np.array(seen)
+
+
+@pytest.mark.parametrize('values', [{}, EVERYTHING], ids=['declared', 'all effects'])
+def test_plant_and_simulate_agree(values):
+    """The node's way to run, and a record with the same steps."""
+    time = rows(1.0, 1e-3)
+    current = np.where(time < 0.7, PAPER_CURRENT, 0.3e-3)
+    p = positioner(values)
+    stepped = stepwise(p, time, current, 1e-3)
+    whole = simulate(p, time, current, compiled=False)
+    assert np.ptp(whole['valve_position']) > 1e-3
+    for index, name in enumerate(whole.columns):
+        if name == 'control_current':
+            continue  # at a change, one names the current that stood, the other the new one
+        scale = max(np.abs(whole[name]).max(), 1e-12)
+        assert np.abs(stepped[:, index] - whole[name]).max() < 1e-6 * scale, name
+
+
+def test_plant_is_deterministic_whatever_the_portions():
+    p = positioner(EVERYTHING)
+    one, other = Plant(p), Plant(p)
+    one.advance(PAPER_CURRENT, 600)
+    for portion in (1, 7, 92, 500):
+        other.advance(PAPER_CURRENT, portion)
+    assert one.outputs() == other.outputs()
+    assert one.time == pytest.approx(0.6)
+
+
+def test_plant_keeps_its_state_when_parameters_change():
+    plant = Plant(positioner())
+    plant.advance(PAPER_CURRENT, 1000)
+    before = plant.outputs()
+    plant.parameters = positioner({'actuator.leak_area': 1e-7, 'actuator.coulomb_friction': 50.0})
+    after = plant.outputs()
+    assert (after.chamber_pressure, after.valve_position, after.stem_velocity, after.time) == (
+        before.chamber_pressure, before.valve_position, before.stem_velocity, before.time)
+
+
+def test_plant_resets_to_a_given_state():
+    plant = Plant(positioner())
+    plant.advance(PAPER_CURRENT, 500)
+    plant.reset(chamber_pressure=225e3, control_current=float(current_for(225e3)))
+    start = plant.outputs()
+    assert start.time == 0.0
+    assert start.valve_position == pytest.approx(0.008, abs=1e-9)
+    plant.advance(float(current_for(225e3)), 1000)
+    assert plant.outputs().chamber_pressure == pytest.approx(225e3, abs=1.0)
+
+
+@pytest.mark.parametrize('step', [0.0, -1e-3, math.nan, math.inf])
+def test_plant_refuses_a_step_that_is_none(step):
+    with pytest.raises(ValueError, match='step must be positive'):
+        Plant(positioner(), step)
+
+
+@pytest.mark.parametrize(
+    ('time', 'current', 'complaint'),
+    [
+        ([0.0, 1.0], [0.0], 'equally long'),
+        ([], [], 'not empty'),
+        ([0.0, 1.0, 1.0], [0.0] * 3, 'time must rise'),
+        ([0.0, math.nan, 2.0], [0.0] * 3, 'time must rise'),
+    ],
+)
+def test_simulate_refuses_rows_that_do_not_fit(time, current, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        simulate(positioner(), np.array(time), np.array(current))
+
+
+def test_states_hold_all_that_is_integrated():
+    assert len(settled_state(positioner(), 0.0, 0.0, None)) == STATES
+    assert active_states(positioner()) == [BACK, CHAMBER, POSITION, VELOCITY]
+    assert active_states(positioner(EVERYTHING)) == list(range(STATES))
