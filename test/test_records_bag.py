@@ -1,0 +1,297 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags: topics become columns on one time base, whatever their types, names and stamps."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+import re
+
+import numpy as np
+import pytest
+from rosbags.rosbag2 import Writer
+from rosbags.typesys import Stores, get_typestore
+
+from booster_ros.records import RecordError, read_record
+from booster_ros.records.bag_writer import STORAGE, BagWriter
+
+STORE = get_typestore(Stores.ROS2_JAZZY)
+START = 1_700_000_000_000_000_000
+TICK = 10_000_000
+ATMOSPHERE = 101_325.0
+
+Message = tuple[str, str, int, object]
+
+
+def kind(name: str) -> Callable[..., object]:
+    return STORE.types[name]
+
+
+def float64(topic: str, value: float, stamp: int) -> Message:
+    name = 'std_msgs/msg/Float64'
+    return topic, name, stamp, kind(name)(data=value)
+
+
+def header(stamp: int) -> object:
+    time = kind('builtin_interfaces/msg/Time')(sec=stamp // 10**9, nanosec=stamp % 10**9)
+    return kind('std_msgs/msg/Header')(stamp=time, frame_id='positioner')
+
+
+def fluid_pressure(topic: str, gauge: float, stamp: int, sampled: int) -> Message:
+    name = 'sensor_msgs/msg/FluidPressure'
+    message = kind(name)(
+        header=header(sampled), fluid_pressure=gauge + ATMOSPHERE, variance=0.0)
+    return topic, name, stamp, message
+
+
+def joint_state(
+    topic: str, stamp: int, sampled: int, **positions: float
+) -> Message:
+    name = 'sensor_msgs/msg/JointState'
+    empty = np.array([])
+    message = kind(name)(
+        header=header(sampled), name=list(positions),
+        position=np.array(list(positions.values())), velocity=empty, effort=empty)
+    return topic, name, stamp, message
+
+
+def state(topic: str, stamp: int, **values: float) -> Message:
+    name = 'diagnostic_msgs/msg/DiagnosticArray'
+    pair = kind('diagnostic_msgs/msg/KeyValue')
+    status = kind('diagnostic_msgs/msg/DiagnosticStatus')(
+        level=0, name='state', message='', hardware_id='',
+        values=[pair(key=key, value=repr(value)) for key, value in values.items()])
+    return topic, name, stamp, kind(name)(header=header(stamp), status=[status])
+
+
+def write_bag(path: Path, messages: Iterable[Message], storage: str = 'mcap') -> Path:
+    with Writer(path, version=9, storage_plugin=STORAGE[storage]) as writer:
+        connections = {}
+        for topic, name, stamp, message in messages:
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, name, typestore=STORE)
+            writer.write(connections[topic], stamp, STORE.serialize_cdr(message, name))
+    return path
+
+
+def plain_messages(count: int = 100, namespace: str = '') -> list[Message]:
+    """Return outputs every tick, the position 2 ms after the pressure, and a step of current."""
+    messages = []
+    for tick in range(count):
+        stamp = START + tick * TICK
+        current = 4e-4 if tick < 50 else 3e-4
+        messages += [
+            float64(f'{namespace}/control_current', current, stamp + 3_000_000),
+            float64(f'{namespace}/chamber_pressure', 150_000.0 + 100 * tick, stamp),
+            float64(f'{namespace}/valve_position', 0.001 + 1e-6 * tick, stamp + 2_000_000),
+        ]
+    return messages
+
+
+def kinds(record) -> list[str]:
+    return [defect.kind for defect in record.defects]
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+@pytest.mark.parametrize('name', ['record', 'record.bag'])
+def test_topics_become_columns_on_one_time_base(tmp_path, storage, name):
+    record = read_record(write_bag(tmp_path / name, plain_messages(), storage))
+    assert set(record.columns) == {
+        'time', 'control_current', 'chamber_pressure', 'valve_position'}
+    np.testing.assert_allclose(record['time'], np.arange(100) / 100, atol=1e-9)
+    # The samples of the time base stay as they are …
+    np.testing.assert_array_equal(record['chamber_pressure'], 150_000.0 + 100 * np.arange(100))
+    # … the other signal is interpolated, but not beyond its ends …
+    assert np.isnan(record['valve_position'][0])
+    np.testing.assert_allclose(
+        record['valve_position'][1:], 0.001 + 1e-6 * (np.arange(1, 100) - 0.2), rtol=1e-9)
+    # … and the command that was sent 3 ms after a sample counts from there on.
+    np.testing.assert_array_equal(
+        record['control_current'], np.where(np.arange(100) < 50, 4e-4, 3e-4))
+    assert kinds(record)[0] == 'time_base'
+    assert '/chamber_pressure' in record.notes[0]
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_the_file_in_a_bag_reads_as_the_bag(tmp_path, storage):
+    bag = write_bag(tmp_path / 'record', plain_messages(), storage)
+    (file,) = (path for path in bag.iterdir() if path.suffix in ('.mcap', '.db3'))
+    np.testing.assert_array_equal(read_record(file)['time'], read_record(bag)['time'])
+
+
+def test_a_command_counts_for_the_row_that_it_covers_for_longer(tmp_path):
+    messages = [  # the step is sent 6 ms after the sample of tick 50
+        (topic, name, stamp + 3_000_000 * ('current' in topic), message)
+        for topic, name, stamp, message in plain_messages()
+    ]
+    record = read_record(write_bag(tmp_path / 'record', messages))
+    first = np.flatnonzero(record['control_current'] == 3e-4)[0]
+    assert record['time'][first] == pytest.approx(0.51)
+
+
+def test_a_signal_is_not_interpolated_across_a_gap(tmp_path):
+    messages = [
+        message for message in plain_messages()
+        if not ('position' in message[0] and START + 30 * TICK < message[2] < START + 60 * TICK)
+    ]
+    record = read_record(write_bag(tmp_path / 'record', messages))
+    missing = np.flatnonzero(np.isnan(record['valve_position']))
+    np.testing.assert_array_equal(missing, [0, *range(30, 61)])
+    assert 'missing_values' in kinds(record)
+
+
+def test_rows_before_the_first_command_are_dropped(tmp_path):
+    messages = [
+        message for message in plain_messages()
+        if 'current' not in message[0] or message[2] > START + 20 * TICK
+    ]
+    record = read_record(write_bag(tmp_path / 'record', messages))
+    assert len(record) == 80
+    assert record.rows[0] == 21
+    assert any('before the first message of control_current' in note for note in record.notes)
+
+
+def test_one_namespace_needs_no_mapping_and_two_do(tmp_path):
+    one = write_bag(tmp_path / 'one', plain_messages(namespace='/plant/valve_7'))
+    assert 'chamber_pressure' in read_record(one)
+    two = write_bag(
+        tmp_path / 'two', plain_messages(namespace='/left') + plain_messages(namespace='/right'))
+    with pytest.raises(RecordError) as refusal:
+        read_record(two)
+    assert 'control_current could be /left/control_current or /right/control_current' in str(
+        refusal.value)
+    topics = {
+        column: f'/right/{column}'
+        for column in ('control_current', 'chamber_pressure', 'valve_position')}
+    assert '/right/chamber_pressure' in read_record(two, topics).notes[0]
+
+
+def stamped_messages(count: int = 100) -> list[Message]:
+    """Return outputs that are sampled at ticks and arrive between 0 and 5 ms later."""
+    random = np.random.default_rng(1)
+    messages = []
+    for tick in range(count):
+        sampled = START + tick * TICK
+        arrival = sampled + int(random.integers(0, 5_000_000))
+        messages += [
+            float64('/control_current', 4e-4, sampled),
+            float64('/chamber_pressure', 100.0 * tick, arrival),
+            fluid_pressure('/chamber_pressure_stamped', 100.0 * tick, arrival, sampled),
+            joint_state('/valve_position_stamped', arrival, sampled, valve_stem=1e-6 * tick),
+        ]
+    return messages
+
+
+def test_header_time_does_not_depend_on_arrival_and_pressure_becomes_gauge(tmp_path):
+    bag = write_bag(tmp_path / 'record', stamped_messages())
+    record = read_record(bag, stamps='header')
+    np.testing.assert_allclose(np.diff(record['time']), 0.01, atol=1e-9)
+    np.testing.assert_allclose(record['chamber_pressure'], 100.0 * np.arange(100), atol=1e-9)
+    np.testing.assert_allclose(record['valve_position'], 1e-6 * np.arange(100), atol=1e-15)
+    assert np.ptp(np.diff(read_record(bag)['time'])) > 1e-3
+
+
+@pytest.mark.parametrize(('messages', 'says'), [
+    (plain_messages(), 'no topic has stamps in its header'),
+    ([fluid_pressure('/chamber_pressure', 1e5, START + k * TICK, START - k * TICK)
+      for k in range(9)], 'header stamps of topic /chamber_pressure run backwards at message 2'),
+    ([message for k in range(9) for message in (
+        fluid_pressure('/chamber_pressure', 1e5, START + k * TICK, 10**9 + k * TICK),
+        float64('/control_current', 4e-4, START + k * TICK))],
+     'topic /control_current has no header, and the header stamps of /chamber_pressure are of '
+     'another clock'),
+], ids=['no header', 'backwards', 'two clocks'])
+def test_header_time_is_refused(tmp_path, messages, says):
+    with pytest.raises(RecordError, match=says):
+        read_record(write_bag(tmp_path / 'record', messages), stamps='header')
+
+
+def test_a_joint_is_asked_for_by_name(tmp_path):
+    messages = [
+        joint_state('/joint_states', START + k * TICK, START + k * TICK, elbow=0.1, valve=k * 1e-4)
+        for k in range(20)]
+    bag = write_bag(tmp_path / 'record', messages)
+    record = read_record(bag, {'valve_position': '/joint_states:valve'})
+    np.testing.assert_allclose(record['valve_position'], np.arange(20) * 1e-4)
+    with pytest.raises(RecordError, match='joint_states names elbow, valve; say which'):
+        read_record(bag, {'valve_position': '/joint_states'})
+
+
+def test_the_state_of_a_positioner_fills_the_columns_without_a_topic(tmp_path):
+    messages = []
+    for tick in range(20):
+        stamp = START + tick * TICK
+        messages += [
+            float64('/chamber_pressure', 5e3 + tick, stamp),
+            state(
+                '/positioner/state', stamp, control_current=1e-5 * tick, back_pressure=2e5 + tick,
+                supply_pressure=4e5, mass_flow=1e-6 * tick, measured_chamber_pressure=-1.0,
+                chamber_pressure=-1.0, measured_valve_position=1e-4 * tick, valve_position=-1.0),
+        ]
+    record = read_record(write_bag(tmp_path / 'record', messages))
+    np.testing.assert_array_equal(record['chamber_pressure'], 5e3 + np.arange(20))
+    np.testing.assert_array_equal(record['back_pressure'], 2e5 + np.arange(20))
+    np.testing.assert_allclose(record['valve_position'], 1e-4 * np.arange(20))
+    # The state names the current that led to it: it belongs to the row before.
+    np.testing.assert_allclose(record['control_current'][:19], 1e-5 * np.arange(1, 20))
+
+
+@pytest.mark.parametrize(('messages', 'topics', 'says'), [
+    ([float64('/pressure', 1.0, START)], None, 'no topic is called after a column; there are /p'),
+    (plain_messages(), {'chamber_pressure': '/p'}, 'topic /p for column chamber_pressure is not'),
+    (plain_messages(), {'chamber': '/p'}, "topics: 'chamber' is not a column"),
+    ([('/valve_position', 'std_msgs/msg/Header', START, header(START))],
+     {'valve_position': '/valve_position'}, 'is of type std_msgs/msg/Header, not one of'),
+    ([float64('/control_current', 0.45, START + k) for k in range(9)], None,
+     'row 1, column control_current: 0.45 is not plausible in A'),
+    ([float64('/valve_position', np.inf, START + k) for k in range(9)], None, 'is infinite'),
+])
+def test_refusals(tmp_path, messages, topics, says):
+    with pytest.raises(RecordError, match=re.escape(says)):
+        read_record(write_bag(tmp_path / 'record', messages), topics)
+
+
+def test_an_incomplete_or_damaged_bag_is_refused_in_a_sentence(tmp_path):
+    bag = write_bag(tmp_path / 'record', plain_messages())
+    content = (bag / 'record.mcap').read_bytes()
+    for size in (0, 5, 100, len(content) // 2, len(content) - 9):
+        (bag / 'record.mcap').write_bytes(content[:size])
+        with pytest.raises(RecordError, match='not a readable bag') as refusal:
+            read_record(bag)
+        assert '\n' not in str(refusal.value)
+    (bag / 'metadata.yaml').unlink()
+    with pytest.raises(RecordError, match=r'has no metadata\.yaml.*ros2 bag reindex'):
+        read_record(bag)
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_written_bag_appears_complete_or_not_at_all(tmp_path, storage):
+    path = tmp_path / 'record'
+    with BagWriter(path, ['/left/chamber_pressure'], storage) as writer:
+        for tick in range(20):
+            writer.write('/left/chamber_pressure', 5e5 + tick, START + tick * TICK)
+        assert not path.exists()
+    np.testing.assert_array_equal(read_record(path)['chamber_pressure'], 5e5 + np.arange(20))
+    assert [entry.name for entry in tmp_path.iterdir()] == ['record']
+    with pytest.raises(RecordError, match='exists already'):
+        BagWriter(path, [], storage)
+
+
+def test_an_interrupted_bag_leaves_nothing(tmp_path):
+    def interrupted() -> None:
+        with BagWriter(tmp_path / 'record', ['/x'], 'mcap') as writer:
+            writer.write('/x', 1.0, START)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_tools_of_mcap_read_a_written_bag(tmp_path):
+    reader = pytest.importorskip('mcap_ros2.reader')
+    with BagWriter(tmp_path / 'record', ['/chamber_pressure'], 'mcap') as writer:
+        for tick in range(20):
+            writer.write('/chamber_pressure', 5e3 + tick, START + tick * TICK)
+    messages = list(reader.read_ros2_messages(str(tmp_path / 'record' / 'record.mcap')))
+    assert [message.ros_msg.data for message in messages] == [5e3 + tick for tick in range(20)]
+    assert {message.channel.topic for message in messages} == {'/chamber_pressure'}
