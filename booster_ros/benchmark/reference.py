@@ -9,7 +9,8 @@ at which a stem sticks and slips are scipy's.
 
 from __future__ import annotations
 
-from typing import Sequence
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -64,7 +65,7 @@ def _standing(current: np.ndarray) -> list[tuple[int, int]]:
     """Return first and last row of every stretch over which the current stands."""
     changes = np.flatnonzero(np.diff(current[:-1])) + 1
     edges = [0, *changes.tolist(), len(current) - 1]
-    return list(zip(edges[:-1], edges[1:]))
+    return list(pairwise(edges))
 
 
 class _Regime:
@@ -84,7 +85,7 @@ class _Regime:
         full = list(self._start)
         for s, value in zip(self.moving, moving):
             full[s] = float(value)
-        hold_inactive_states(self._p, time, full)
+        hold_inactive_states(self._p, time, full, ())
         return full
 
     def rates(self, time: float, moving: Sequence[float]) -> list[float]:

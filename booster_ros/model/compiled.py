@@ -8,6 +8,7 @@ is compiled by numba with the compiled versions of what it calls in place of the
 There is no second copy of an equation. Without numba, `compiled_run` returns None.
 """
 
+from collections.abc import Callable
 import functools
 import hashlib
 import importlib
@@ -16,7 +17,7 @@ import os
 from pathlib import Path
 import tempfile
 import types
-from typing import Any, Callable
+from typing import Any
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
             'discrepancy', 'system', 'solver', 'kernel')
@@ -58,13 +59,14 @@ def compiled_run() -> Callable[..., None] | None:
     import numba
 
     folder = cache_folder()
-    previous = numba.config.CACHE_DIR
+    config: Any = numba.config
+    previous = config.CACHE_DIR
     if folder is not None:
-        numba.config.CACHE_DIR = str(folder)
+        config.CACHE_DIR = str(folder)
     try:
         return _compile_all(numba.njit, cache=folder is not None)['kernel']['run']
     finally:
-        numba.config.CACHE_DIR = previous
+        config.CACHE_DIR = previous
 
 
 def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, Any]]:

@@ -21,7 +21,8 @@ ISENTROPIC_CRITICAL_RATIO = (2.0 / (HEAT_RATIO + 1.0)) ** (HEAT_RATIO / (HEAT_RA
 """Critical pressure ratio of an ideal nozzle, 0.5283 (paper eq. 3)."""
 
 CHOKED_FLOW_FACTOR = math.sqrt(
-    HEAT_RATIO / GAS_CONSTANT * (2.0 / (HEAT_RATIO + 1.0)) ** ((HEAT_RATIO + 1.0) / (HEAT_RATIO - 1.0))
+    HEAT_RATIO / GAS_CONSTANT
+    * (2.0 / (HEAT_RATIO + 1.0)) ** ((HEAT_RATIO + 1.0) / (HEAT_RATIO - 1.0))
 )
 """K_G of paper eq. 6 with the exponent put right, 0.0404 sqrt(kg K/J)."""
 

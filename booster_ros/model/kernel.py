@@ -12,19 +12,20 @@ OBSERVED = 15
 
 
 def interval(
-    p: PositionerParameters, time: float, length: float, current: float, y, memory,
+    p: PositionerParameters, time: float, length: float, current: float, pinned, y, memory,
     active, count: int, tolerance: float, w: Workspace,
 ) -> float:
     """
     Take the positioner over `length` s with the current standing at `current` A.
 
-    Return the current that the E/P converter acted on, A. `y` and `memory` change in place.
+    Return the current that the E/P converter acted on, A. `y` and `memory` change in place. The
+    states in `pinned` are given in `y` and are not among the `active`.
     """
     seen = seen_current(p, memory, current)
-    hold_inactive_states(p, time + 0.5 * length, y)
+    hold_inactive_states(p, time + 0.5 * length, y, pinned)
     before = (y[CHAMBER], y[POSITION])
     advance(p, time, seen, length, y, memory, active, count, tolerance, w)
-    hold_inactive_states(p, time + length, y)
+    hold_inactive_states(p, time + length, y, pinned)
     measure(p, memory, before, y, length)
     return seen
 
@@ -44,7 +45,7 @@ def run(
     for k in range(len(times)):
         for s in pinned:
             y[s] = pins[k, s]
-        hold_inactive_states(p, times[k], y)
+        hold_inactive_states(p, times[k], y, pinned)
         row = observe(p, times[k], currents[k], seen, y, memory)
         for j in range(OBSERVED):
             out[k, j] = row[j]
@@ -58,7 +59,8 @@ def run(
                 y[s] = pins[k, s] * (1.0 - share) + pins[k + 1, s] * share
             start = times[k] + part * length / parts
             seen = interval(
-                p, start, length / parts, delayed[k], y, memory, active, count, tolerance, w)
+                p, start, length / parts, delayed[k], pinned, y, memory, active, count,
+                tolerance, w)
 
 
 __all__ = ['OBSERVED', 'STATES', 'interval', 'run']

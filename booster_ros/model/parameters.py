@@ -2,16 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """From dotted names and values to checked parameters, and back."""
 
+from collections.abc import Iterable, Mapping
 import dataclasses
 import difflib
 import math
-from typing import Any, Iterable, Mapping, NamedTuple, Union, get_type_hints
+from typing import Any, NamedTuple, get_type_hints
 
 from . import discrepancy
 from .quantity import Quantity
 from .system import PositionerParameters
 
-Value = Union[float, str, tuple[float, ...]]
+Value = float | str | tuple[float, ...]
 
 _CHOICES = {
     'booster.orifice_law': ('iso_6358', 'isentropic'),

@@ -64,9 +64,8 @@ class Outputs(NamedTuple):
     measured_valve_position: float
 
 
-OUTPUT_UNITS = Outputs(
-    's', 'A', 'Pa', 'Pa', 'N', 'm^2', 'm^2', 'kg/s', 'Pa', 'Pa', 'K', 'm', 'm/s', 'Pa', 'm'
-)._asdict()
+OUTPUT_UNITS = dict(zip(Outputs._fields, (
+    's', 'A', 'Pa', 'Pa', 'N', 'm^2', 'm^2', 'kg/s', 'Pa', 'Pa', 'K', 'm', 'm/s', 'Pa', 'm')))
 """Units of the outputs; pressures are gauge, mass flow counts from the booster to the chamber."""
 
 
@@ -81,9 +80,9 @@ def is_active(p: PositionerParameters, state: int) -> bool:
     return True
 
 
-def hold_inactive_states(p: PositionerParameters, time: float, y) -> None:
-    """Put the states that have no dynamics of their own where they belong at `time`."""
-    if p.supply.droop <= 0.0:
+def hold_inactive_states(p: PositionerParameters, time: float, y, pinned) -> None:
+    """Put the states that have no dynamics of their own, and are not given, where they belong."""
+    if p.supply.droop <= 0.0 and SUPPLY not in pinned:
         y[SUPPLY] = undrawn_supply(p, time)
     if p.tubing.restriction_area <= 0.0:
         y[OUTLET] = y[CHAMBER]

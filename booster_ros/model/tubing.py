@@ -33,6 +33,8 @@ def tube_flow(
     )
 
 
-def outlet_pressure_rate(tubing: Tubing, inflow: float, outflow: float, temperature: float) -> float:
+def outlet_pressure_rate(
+    tubing: Tubing, inflow: float, outflow: float, temperature: float
+) -> float:
     """Return d(outlet pressure)/dt, Pa/s (isothermal, the volume is small)."""
     return GAS_CONSTANT * temperature * (inflow - outflow) / tubing.outlet_volume

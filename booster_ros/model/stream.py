@@ -1,0 +1,172 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Running the model over rows of time and current that come in portions."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .actuator import balance_position
+from .compiled import compiled_run
+from .discrepancy import EP_CONVERTER
+from .ep_converter import settled_back_pressure
+from .kernel import OBSERVED, run
+from .solver import Workspace, new_workspace
+from .supply import set_pressure
+from .system import (
+    BACK, CHAMBER, MEMORIES, OUTLET, POSITION, STATE_NAMES, STATES, SUPPLY, TEMPERATURE, Outputs,
+    PositionerParameters, discrepancy_at, hold_inactive_states, is_active, start_memory)
+
+LONGEST_INTERVAL = 0.02
+"""Intervals between rows of a record are divided down to this, s."""
+
+DEFAULT_TOLERANCE = 1.0
+"""Multiplies the solver's error tolerance."""
+
+
+def settled_state(
+    p: PositionerParameters, current: float, chamber_pressure: float,
+    valve_position: float | None, time: float = 0.0,
+) -> list[float]:
+    """
+    Return the state of a positioner whose E/P converter has settled at `current` (A).
+
+    `chamber_pressure` is gauge, Pa; the stem (m) stands where spring and pressure balance unless
+    `valve_position` says where.
+    """
+    y = [0.0] * STATES
+    y[SUPPLY] = set_pressure(p.supply, time)
+    y[CHAMBER] = chamber_pressure
+    y[OUTLET] = chamber_pressure
+    y[TEMPERATURE] = p.supply.temperature
+    y[POSITION] = (
+        balance_position(p.actuator, chamber_pressure) if valve_position is None
+        else valve_position)
+    hold_inactive_states(p, time, y, ())
+    extra = discrepancy_at(p, EP_CONVERTER, time, current, y, 0.0)
+    y[BACK] = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
+    return y
+
+
+def active_states(p: PositionerParameters, pinned: tuple[int, ...] = ()) -> list[int]:
+    """Return the states to integrate under these parameters, in rising order."""
+    return [s for s in range(STATES) if is_active(p, s) and s not in pinned]
+
+
+class Stream:
+    """
+    A simulation that takes its rows in portions and keeps only what the next portion needs.
+
+    Time in s, control current in A; a current stands from its row to the next. Compiled where
+    numba is there and `compiled` says so, else plain Python, with the same result.
+    """
+
+    def __init__(
+        self, parameters: PositionerParameters, time: float, control_current: float,
+        initial: Mapping[str, float] | None = None, pinned: tuple[str, ...] = (),
+        tolerance: float = DEFAULT_TOLERANCE, compiled: bool = True,
+        back_pressure_departure: float = 0.0,
+    ) -> None:
+        """
+        Start at `time`, settled at a current, the chamber vented.
+
+        `initial` may hold other values of the state (keys `STATE_NAMES`), and the back pressure
+        may be away from settled by a departure in Pa. The states `pinned` are given with each
+        portion and follow no equation.
+        """
+        given = dict(initial or {})
+        y = settled_state(
+            parameters, control_current, given.get('chamber_pressure', 0.0),
+            given.get('valve_position'), time)
+        for name, value in given.items():
+            y[STATE_NAMES.index(name)] = value
+        y[BACK] += back_pressure_departure
+        memory = [0.0] * MEMORIES
+        start_memory(parameters, control_current, y, 1e-3, memory)
+        self._parameters = parameters
+        self._tolerance = tolerance
+        self._pinned = tuple(sorted(STATE_NAMES.index(name) for name in pinned))
+        self._active = active_states(parameters, self._pinned)
+        self._machine = compiled_run() if compiled else None
+        self._state: Any = y if self._machine is None else np.array(y)
+        self._memory: Any = memory if self._machine is None else np.array(memory)
+        # the rows that still matter: as far back as the dead time, the last one at least
+        self._time = np.empty(0)
+        self._current = np.empty(0)
+        self._pins = np.empty((0, STATES))
+
+    @property
+    def state(self) -> np.ndarray:
+        """The state at the last row, in the order of `STATE_NAMES`."""
+        return np.array(self._state)
+
+    def advance(
+        self, time: np.ndarray, control_current: np.ndarray,
+        pinned: Mapping[str, np.ndarray] | None = None,
+    ) -> dict[str, np.ndarray]:
+        """
+        Go on to the last of these rows, shape (n,) each; return what is seen at each of them.
+
+        ValueError where the shapes differ or time does not rise.
+        """
+        t = np.ascontiguousarray(time, dtype=float)
+        current = np.ascontiguousarray(control_current, dtype=float)
+        if t.ndim != 1 or t.shape != current.shape or len(t) == 0:
+            raise ValueError(
+                'time and control_current must be equally long, one-dimensional, not empty')
+        before = len(self._time)
+        t = np.concatenate((self._time, t))
+        if not np.all(np.diff(t) > 0.0):
+            raise ValueError('time must rise from row to row')
+        current = np.concatenate((self._current, current))
+        pins = np.zeros((len(t), STATES))
+        pins[:before] = self._pins
+        for name, series in (pinned or {}).items():
+            pins[before:, STATE_NAMES.index(name)] = series
+        delayed = delayed_current(t, current, self._parameters.ep_converter.dead_time)
+        first = max(before - 1, 0)
+        out = np.empty((len(t) - first, OBSERVED))
+        self._run(t[first:], current[first:], delayed[first:], pins[first:], out)
+        self._keep(t, current, pins)
+        return dict(zip(Outputs._fields, out[before - first:].T))
+
+    def _run(self, time: np.ndarray, current: np.ndarray, delayed: np.ndarray, pins: np.ndarray,
+             out: np.ndarray) -> None:
+        if self._machine is None:
+            run(self._parameters, time.tolist(), current.tolist(), delayed.tolist(), self._pinned,
+                pins, self._state, self._memory, self._active, len(self._active),
+                self._tolerance, LONGEST_INTERVAL, new_workspace(), out)
+            return
+        scratch: list[Any] = [np.array(numbers) for numbers in new_workspace()]
+        self._machine(
+            self._parameters, time, current, delayed, np.array(self._pinned, dtype=np.int64),
+            pins, self._state, self._memory, np.array(self._active, dtype=np.int64),
+            len(self._active), self._tolerance, LONGEST_INTERVAL, Workspace(*scratch), out)
+
+    def _keep(self, time: np.ndarray, current: np.ndarray, pins: np.ndarray) -> None:
+        oldest = time[-1] - max(self._parameters.ep_converter.dead_time, 0.0)
+        first = max(int(np.searchsorted(time, oldest, 'right')) - 2, 0)
+        first = min(first, len(time) - 1)
+        self._time = time[first:].copy()
+        self._current = current[first:].copy()
+        self._pins = pins[first:].copy()
+
+
+def delayed_current(time: np.ndarray, current: np.ndarray, dead_time: float) -> np.ndarray:
+    """
+    Return, for each row's interval, the mean of the standing current one dead time (s) ago.
+
+    The mean (not the value at one moment) makes the result continuous in the dead time.
+    """
+    if dead_time <= 0.0 or len(time) < 2:
+        return current
+    length = np.diff(time)
+    charge = np.concatenate(([0.0], np.cumsum(current[:-1] * length)))
+
+    def integral(moment: np.ndarray) -> np.ndarray:
+        before = np.minimum(moment - time[0], 0.0) * current[0]
+        return before + np.interp(moment, time, charge)
+
+    mean = np.diff(integral(time - dead_time)) / length
+    return np.concatenate((mean, mean[-1:]))
