@@ -21,11 +21,14 @@ import math
 from typing import NamedTuple
 
 from .system import (
-    CHAMBER, DIRECTION, STATES, TRIAL_STEP, VELOCITY, PositionerParameters, breakaway_excess, derivatives,
-    slip_direction, sticks)
+    CHAMBER, DIRECTION, STATES, TRIAL_STEP, VELOCITY, PositionerParameters, breakaway_excess,
+    derivatives, slip_direction, sticks)
 
-SMALLEST_STEP = 1e-7
-"""Sub-steps, s, are not made shorter, whatever the error estimate says."""
+FINEST_DIVISION = 4000.0
+"""Sub-steps are not made shorter than the interval by this, whatever the error estimate says."""
+
+SHORTEST_EVENT = 1e-7
+"""A step to where sticking or sliding ends is at least this long, s: time must pass."""
 
 FIRST_SLIP_STEP = 1e-5
 """Trial step after break-away, s: stiction fades within micrometres, too fast for long steps."""
@@ -170,9 +173,7 @@ def _step_to_event(p, time, current, direction, y, step, active, count, w) -> fl
     late, after = step, _event(p, time, current, direction, w.trial)
     enough = EVENT_VELOCITY if direction != 0.0 else EVENT_FORCE
     middle = late
-    for _ in range(EVENT_TRIALS):
-        if before >= 0.0:
-            break
+    for _ in range(EVENT_TRIALS if before < 0.0 else 0):
         middle = early + (late - early) * before / (before - after)
         _rodas3(p, time, current, direction, y, middle, active, count, w)
         value = _event(p, time, current, direction, w.trial)
@@ -184,8 +185,8 @@ def _step_to_event(p, time, current, direction, y, step, active, count, w) -> fl
         else:
             early, before = middle, value
             after *= 0.5
-    if before >= 0.0 or middle < SMALLEST_STEP:
-        middle = SMALLEST_STEP
+    if before >= 0.0 or middle < SHORTEST_EVENT:
+        middle = SHORTEST_EVENT
         _rodas3(p, time, current, direction, y, middle, active, count, w)
     return middle
 
@@ -200,6 +201,7 @@ def advance(
     `active[:count]` are the states to integrate in rising order, the others stand still;
     `tolerance` multiplies `TOLERANCE` (infinite: one step however large the error).
     """
+    smallest = length / FINEST_DIVISION
     dry = sticks(p) and count > 0 and active[count - 1] == VELOCITY
     left = length
     while left > 0.0:
@@ -219,8 +221,8 @@ def advance(
         step = min(memory[TRIAL_STEP], left)
         tried = step
         error = _rodas3(p, time, current, direction, y, step, active, moving, w)
-        while not error <= tolerance and step > SMALLEST_STEP:
-            step = max(step * min(_step_factor(error / tolerance), 0.5), SMALLEST_STEP)
+        while not error <= tolerance and step > smallest:
+            step = max(step * min(_step_factor(error / tolerance), 0.5), smallest)
             error = _rodas3(p, time, current, direction, y, step, active, moving, w)
         if math.isnan(error):
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
@@ -229,11 +231,15 @@ def advance(
         proposal = step * _step_factor(error / tolerance)
 
         landed = False
-        if dry:
-            landed = direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0
-            if landed or (direction == 0.0 and _event(p, time, current, direction, w.trial) > 0.0):
-                step = _step_to_event(
-                    p, time, current, direction, y, step, active, moving, w)
+        if direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
+            landed = True
+            if y[VELOCITY] * direction > 0.0:
+                step = _step_to_event(p, time, current, direction, y, step, active, moving, w)
+            else:
+                # it would not even get going: stuck over this step, though barely
+                _rodas3(p, time, current, 0.0, y, step, active, count - 2, w)
+        elif dry and direction == 0.0 and breakaway_excess(p, time, current, w.trial) > 0.0:
+            step = _step_to_event(p, time, current, direction, y, step, active, moving, w)
 
         for i in range(STATES):
             y[i] = w.trial[i]
