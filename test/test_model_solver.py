@@ -214,8 +214,8 @@ def test_plant_refuses_a_step_that_is_none(step):
     [
         ([0.0, 1.0], [0.0], 'equally long'),
         ([], [], 'empty'),
-        ([0.0, 1.0, 1.0], [0.0] * 3, 'time must rise'),
-        ([0.0, math.nan, 2.0], [0.0] * 3, 'time must rise'),
+        ([0.0, 1.0, 0.9], [0.0] * 3, 'time must not fall'),
+        ([0.0, math.nan, 2.0], [0.0] * 3, 'time must not fall'),
     ],
 )
 def test_simulate_refuses_rows_that_do_not_fit(time, current, complaint):
@@ -260,3 +260,16 @@ def test_a_given_channel_is_followed(name, series):
     assert np.allclose(run[name], series(time), rtol=1e-9)
     free = simulate(positioner(), time, np.full_like(time, PAPER_CURRENT))
     assert np.abs(run['valve_position'] - free['valve_position']).max() > 1e-4
+
+
+@pytest.mark.parametrize('values', [{}, EVERYTHING], ids=['declared', 'all effects'])
+def test_of_two_rows_with_one_stamp_the_last_counts(values):
+    """A step may be written as two rows at one time."""
+    p = positioner(values)
+    time = rows(4.0)
+    current = np.where(time < 1.0, 0.3e-3, PAPER_CURRENT)
+    single = simulate(p, time, current)
+    at = int(np.argmax(current == PAPER_CURRENT))
+    double = simulate(p, np.insert(time, at, time[at]), np.insert(current, at, 0.3e-3))
+    for name, column in single.columns.items():
+        assert np.array_equal(np.delete(double[name], at), column), name

@@ -15,12 +15,14 @@ import importlib
 import importlib.util
 import os
 from pathlib import Path
+import sys
 import tempfile
 import types
 from typing import Any
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
             'discrepancy', 'system', 'solver', 'kernel')
+_PYTHON = f'py{sys.version_info.major}{sys.version_info.minor}'
 _PLAIN = {'new_workspace', 'balance_position'}
 
 
@@ -49,6 +51,12 @@ def cache_folder() -> Path | None:
     except OSError:
         return None
     return folder
+
+
+def is_cached() -> bool:
+    """Tell whether the machine code of exactly these sources is already on this machine."""
+    folder = cache_folder()
+    return folder is not None and any(folder.rglob(f'kernel.run-*.{_PYTHON}.*.nbc'))
 
 
 @functools.cache

@@ -38,7 +38,7 @@ def run(
     Simulate a record: row k of `out` is what is seen at times[k].
 
     `currents[k]` (commanded) and `delayed[k]` (after the dead time) stand from times[k] to
-    times[k + 1]. The states in `pinned` follow their column of `pins` instead of the equations.
+    times[k + 1]; of rows with the same stamp the last one counts. The states in `pinned` follow their column of `pins` instead of the equations.
     Intervals longer than `longest` s are divided.
     """
     seen = delayed[0]
@@ -52,6 +52,8 @@ def run(
         if k + 1 == len(times):
             break
         length = times[k + 1] - times[k]
+        if length <= 0.0:
+            continue
         parts = max(1, int(length / longest + 0.999))
         for part in range(parts):
             for s in pinned:

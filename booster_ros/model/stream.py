@@ -108,7 +108,8 @@ class Stream:
         """
         Go on to the last of these rows, shape (n,) each; return what is seen at each of them.
 
-        ValueError where the shapes differ or time does not rise.
+        Of rows with the same stamp the last one counts. ValueError where the shapes differ or time
+        falls.
         """
         t = np.ascontiguousarray(time, dtype=float)
         current = np.ascontiguousarray(control_current, dtype=float)
@@ -117,8 +118,8 @@ class Stream:
                 'time and control_current must be equally long, one-dimensional, not empty')
         before = len(self._time)
         t = np.concatenate((self._time, t))
-        if not np.all(np.diff(t) > 0.0):
-            raise ValueError('time must rise from row to row')
+        if not np.all(np.diff(t) >= 0.0):
+            raise ValueError('time must not fall from row to row')
         current = np.concatenate((self._current, current))
         pins = np.zeros((len(t), STATES))
         pins[:before] = self._pins
@@ -168,5 +169,6 @@ def delayed_current(time: np.ndarray, current: np.ndarray, dead_time: float) -> 
         before = np.minimum(moment - time[0], 0.0) * current[0]
         return before + np.interp(moment, time, charge)
 
-    mean = np.diff(integral(time - dead_time)) / length
+    mean = np.diff(integral(time - dead_time))
+    mean = np.divide(mean, length, out=current[:-1].copy(), where=length > 0.0)
     return np.concatenate((mean, mean[-1:]))

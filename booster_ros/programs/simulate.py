@@ -1,0 +1,133 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Run the model over a table of currents."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+import sys
+
+import numpy as np
+from tqdm import tqdm
+
+from ..model.parameters import ParameterError, from_values
+from ..model.stream import Stream
+from ..model.system import PositionerParameters
+from ..parameters.file import read_parameter_file
+from ..records import CsvWriter, RecordError, csv_columns, iterate_csv
+from .compiling import announce_compilation
+
+INPUT = ('time', 'control_current')
+INITIAL = ('chamber_pressure', 'valve_position')
+OUTPUT = {
+    'time': 'time',
+    'control_current': 'control_current',
+    'back_pressure': 'back_pressure',
+    'supply_pressure': 'supply_pressure',
+    'mass_flow': 'mass_flow',
+    'chamber_pressure': 'measured_chamber_pressure',
+    'valve_position': 'measured_valve_position',
+}
+"""Columns written, and the output of the model that each holds: as a sensor would read it."""
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Simulate a file into another; return the exit status."""
+    options = _parser().parse_args(args)
+    try:
+        parameters = from_values(read_parameter_file(options.params).physical)
+        _check_columns(options.input)
+        announce_compilation()
+        run(parameters, options.input, options.out)
+    except (ParameterError, RecordError) as error:
+        print(f'simulate: {error}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print('simulate: interrupted, nothing was written', file=sys.stderr)
+        return 130
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='simulate',
+        description='Run the model over time and control current. Units are SI, pressures gauge.',
+        epilog='IN needs the columns time (s) and control_current (A); a current stands from its '
+        'row to the next. Where the first row also has chamber_pressure (Pa) and valve_position '
+        f'(m), the run starts there, else vented. OUT has {", ".join(OUTPUT)}.',
+    )
+    parser.add_argument(
+        '--params', type=Path, required=True, metavar='P.yaml', help='a ROS 2 parameter file')
+    parser.add_argument(
+        '--input', type=Path, required=True, metavar='IN.csv', help='time and control_current')
+    parser.add_argument(
+        '--out', type=Path, required=True, metavar='OUT.csv', help='file to write')
+    return parser
+
+
+def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
+    """
+    Simulate `source` into `target` in portions, so that memory stays flat however long it is.
+
+    RecordError where either cannot be read or written; `target` is then left as it was.
+    """
+    with CsvWriter(target, tuple(OUTPUT)) as writer, _progress(source) as bar:
+        stream = None
+        for time, current, initial in _portions(source):
+            if stream is None:
+                stream = Stream(parameters, float(time[0]), float(current[0]), initial)
+            seen = stream.advance(time, current)
+            writer.write_rows(np.column_stack([seen[name] for name in OUTPUT.values()]))
+            bar.update(len(time))
+
+
+def _check_columns(source: Path) -> None:
+    """Raise RecordError where a column is missing, before anything is compiled."""
+    known = csv_columns(source)
+    for name in INPUT:
+        if name not in known:
+            raise RecordError(f'{source}, row 1: there is no column {name}')
+
+
+def _portions(source: Path) -> Iterator[tuple[np.ndarray, np.ndarray, dict[str, float]]]:
+    """Yield time, current (an empty cell keeps the one before) and the first row's state."""
+    given = tuple(name for name in INITIAL if name in csv_columns(source))
+    standing = np.nan
+    for chunk in iterate_csv(source, INPUT + given):
+        time, current = chunk.values[:, 0], _held(chunk.values[:, 1], standing)
+        if np.isnan(current[0]):
+            raise RecordError(
+                f'{source}, row {chunk.rows[0]}, column control_current: the first row needs one')
+        standing = float(current[-1])
+        first_row = zip(given, chunk.values[0, len(INPUT):], strict=True)
+        yield time, current, {name: float(v) for name, v in first_row if np.isfinite(v)}
+
+
+def _held(current: np.ndarray, standing: float) -> np.ndarray:
+    """Return the currents with the one before in place of NaN."""
+    known = np.isfinite(current)
+    if known.all():
+        return current
+    latest = np.maximum.accumulate(np.where(known, np.arange(len(current)), -1))
+    return np.where(latest < 0, standing, current[np.maximum(latest, 0)])
+
+
+def _progress(source: Path) -> tqdm:
+    """Return a bar over the rows, silent where nobody looks at a terminal."""
+    if not sys.stderr.isatty():
+        return tqdm(disable=True)
+    return tqdm(total=_count_lines(source) - 1, unit=' rows', unit_scale=True)
+
+
+def _count_lines(source: Path) -> int:
+    lines = 0
+    with open(source, 'rb', buffering=0) as file:
+        while block := file.read(1 << 20):
+            lines += block.count(b'\n')
+    return lines
+
+
+if __name__ == '__main__':
+    sys.exit(main())

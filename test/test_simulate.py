@@ -1,0 +1,190 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The program `simulate`, as a user starts it."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+import subprocess
+import sys
+
+import numpy as np
+from positioner_runs import PAPER_CURRENT, positioner, rows
+import pytest
+
+from booster_ros.model.simulation import simulate
+from booster_ros.programs import simulate as program
+
+ROOT = Path(__file__).resolve().parent.parent
+COLUMNS = [
+    'time', 'control_current', 'back_pressure', 'supply_pressure', 'mass_flow',
+    'chamber_pressure', 'valve_position',
+]
+PARAMETERS = """
+/**:
+  ros__parameters:
+    supply:
+      pressure: 390000
+    sensors:
+      position_bias: 0.001
+"""
+
+
+@pytest.fixture
+def params(tmp_path: Path) -> Path:
+    path = tmp_path / 'params.yaml'
+    path.write_text(PARAMETERS)
+    return path
+
+
+def write(path: Path, text: str) -> Path:
+    path.write_text(text)
+    return path
+
+
+def start(params: Path, source: Path, out: Path, code: str = '') -> subprocess.CompletedProcess:
+    """Run the program in a process of its own, after `code`."""
+    script = f'{code}\nimport sys\nfrom booster_ros.programs.simulate import main\nsys.exit(main())'
+    arguments = ['--params', str(params), '--input', str(source), '--out', str(out)]
+    return subprocess.run(
+        [sys.executable, '-c', script, *arguments],
+        cwd=ROOT, capture_output=True, text=True, timeout=120, check=False,
+    )
+
+
+def read(path: Path) -> dict[str, np.ndarray]:
+    with path.open() as file:
+        header, *lines = csv.reader(file)
+    return dict(zip(header, np.array(lines, dtype=float).T, strict=True))
+
+
+def test_a_table_of_currents_becomes_what_a_record_would_hold(tmp_path, params):
+    time = rows(8.0)
+    current = np.where(time < 1.0, 0.0, PAPER_CURRENT)
+    lines = [f'{t:.2f},{i!r}' for t, i in zip(time.tolist(), current.tolist(), strict=True)]
+    source = write(tmp_path / 'in.csv', 'time,control_current\n' + '\n'.join(lines))
+    out = tmp_path / 'out.csv'
+    # the program needs no ROS: here it could not have it
+    done = start(params, source, out, "import sys; sys.modules['rclpy'] = None")
+    assert (done.returncode, done.stdout) == (0, '')
+    result = read(out)
+    assert list(result) == COLUMNS
+    expected = simulate(
+        positioner({'supply.pressure': 390e3, 'sensors.position_bias': 1e-3}), time, current)
+    for column, name in program.OUTPUT.items():
+        scale = np.abs(expected[name]).max()
+        assert np.abs(result[column] - expected[name]).max() < 1e-6 * scale, column
+    assert result['valve_position'][0] == pytest.approx(0.001, abs=30e-6)
+    assert [entry.name for entry in tmp_path.iterdir() if 'partial' in entry.name] == []
+
+
+def run_here(tmp_path: Path, params: Path, text: str) -> dict[str, np.ndarray]:
+    source, out = write(tmp_path / 'in.csv', text), tmp_path / 'out.csv'
+    status = program.main(['--params', str(params), '--input', str(source), '--out', str(out)])
+    assert status == 0
+    return read(out)
+
+
+def test_starts_where_the_first_row_says(tmp_path, params):
+    result = run_here(
+        tmp_path, params,
+        'chamber_pressure,time,valve_position,control_current\n'
+        '200000,5.0,0.006,0.0004\n,5.1,,0.0004\n',
+    )
+    assert result['time'].tolist() == [5.0, 5.1]
+    assert result['chamber_pressure'][0] == 200e3
+    assert result['valve_position'][0] == pytest.approx(0.007)  # 6 mm and the sensor's bias
+    assert result['chamber_pressure'][1] != 200e3
+
+
+def test_an_empty_current_keeps_the_one_before(tmp_path, params):
+    result = run_here(
+        tmp_path, params, 'time,control_current\n0,0.0004\n0.5,\n1.0,\n1.0,0.0003\n2.0,\n')
+    assert result['control_current'].tolist() == [4e-4, 4e-4, 4e-4, 3e-4, 3e-4]
+
+
+def test_a_long_file_in_portions_is_the_same_as_at_once(tmp_path, params, monkeypatch):
+    time = rows(20.0)
+    text = 'time,control_current\n' + ''.join(
+        f'{t:.2f},{0.43e-3 + 0.02e-3 * np.sin(t):.9f}\n' for t in time)
+    whole = run_here(tmp_path, params, text)
+    original = program.iterate_csv
+    monkeypatch.setattr(
+        program, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
+    portions = run_here(tmp_path, params, text)
+    for name, column in whole.items():
+        assert np.array_equal(portions[name], column), name
+
+
+GOOD = 'time,control_current\n0,0.0004\n1,0.0004\n'
+
+
+@pytest.mark.parametrize(
+    ('text', 'complaint'),
+    [
+        ('time,current_command_x\n0,1\n', 'control_current'),
+        ('control_current\n0.0004\n', 'no column time'),
+        ('', 'in.csv'),
+        ('time,control_current\n', 'no rows'),
+        ('time,control_current\n0,0.0004\n1,abc\n', 'row 3'),
+        ('time,control_current\n0,0.0004\n1,inf\n', 'row 3'),
+        ('time,control_current\n0,\n1,0.0004\n', 'row 2, column control_current'),
+        ('time,control_current\n1,0.0004\n0,0.0004\n', 'row 3, column time'),
+        ('time,control_current\n0,0.0004\n,0.0004\n', 'row 3, column time'),
+        ('time,control_current\n0,0.45\n1,0.45\n', 'mA'),
+    ],
+)
+def test_bad_input_is_one_sentence_and_status_2(tmp_path, params, capfd, text, complaint):
+    source, out = write(tmp_path / 'in.csv', text), write(tmp_path / 'out.csv', 'as it was')
+    status = program.main(['--params', str(params), '--input', str(source), '--out', str(out)])
+    printed = capfd.readouterr()
+    message = [line for line in printed.err.splitlines() if 'compiling' not in line]
+    assert status == 2
+    assert len(message) == 1
+    assert message[0].startswith('simulate: ')
+    assert complaint in message[0]
+    assert 'in.csv' in message[0]
+    assert out.read_text() == 'as it was'
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == [
+        'in.csv', 'out.csv', 'params.yaml']
+
+
+@pytest.mark.parametrize(
+    ('text', 'complaint'),
+    [
+        ('/**:\n  ros__parameters:\n    supply:\n      presure: 4e5\n', 'supply.pressure'),
+        ('/**:\n  ros__parameters:\n    booster:\n      s1: -1.0\n', 'booster.s1'),
+        ('/**:\n  ros__parameters:\n    booster:\n      s1: 1.0e-06\n', 'booster.s1'),
+        ('}{', 'params.yaml'),
+    ],
+)
+def test_bad_parameters_are_one_sentence_and_status_2(tmp_path, params, capfd, text, complaint):
+    source = write(tmp_path / 'in.csv', GOOD)
+    write(params, text)
+    status = program.main(
+        ['--params', str(params), '--input', str(source), '--out', str(tmp_path / 'out.csv')])
+    message = capfd.readouterr().err.splitlines()
+    assert status == 2
+    assert len(message) == 1
+    assert complaint in message[0]
+    assert 'params.yaml' in message[0]
+
+
+@pytest.mark.parametrize('missing', ['params', 'input', 'out'])
+def test_files_that_are_not_there(tmp_path, params, missing):
+    paths = {'params': params, 'input': write(tmp_path / 'in.csv', GOOD),
+             'out': tmp_path / 'out.csv'}
+    paths[missing] = tmp_path / 'no' / 'such' / 'file'
+    done = start(paths['params'], paths['input'], paths['out'])
+    message = [line for line in done.stderr.splitlines() if 'compiling' not in line]
+    assert done.returncode == 2
+    assert len(message) == 1
+    assert str(paths[missing]) in message[0]
+
+
+def test_wrong_arguments_end_with_status_2(capsys):
+    with pytest.raises(SystemExit) as end:
+        program.main(['--params', 'p.yaml'])
+    assert end.value.code == 2
+    assert '--input' in capsys.readouterr().err
