@@ -44,15 +44,20 @@ def steps(levels: Sequence[float], dwell: float) -> Profile:
 
 def staircase(low: float, high: float, stairs: int, dwell: float) -> Profile:
     """Climb from low to high in equal stairs and go down again, holding each for `dwell` s."""
-    up = [low + (high - low) * stair / stairs for stair in range(stairs + 1)]
+    up = [_between(low, high, stair / stairs) for stair in range(stairs + 1)]
     return steps(up + up[-2::-1], dwell)
+
+
+def _between(low: float, high: float, share: float) -> float:
+    """Return the value at a share of the way, low and high themselves at 0 and 1."""
+    return low * (1.0 - share) + high * share
 
 
 def triangle(low: float, high: float, period: float, cycles: int) -> Profile:
     """Ramp from low to high and back within `period` s, so many times."""
     def value(time: float) -> float:
         phase = time / period % 1.0
-        return low + (high - low) * (1.0 - abs(1.0 - 2.0 * phase))
+        return _between(low, high, 1.0 - abs(1.0 - 2.0 * phase))
 
     return Profile(value, cycles * period)
 

@@ -34,7 +34,7 @@ class Lockstep:
     Advances one positioner from its initial state; its name is as seen from `node`.
 
     The first output is the initial state; each output is stamped with its tick, whatever the
-    clocks show.
+    clocks show. At the end the positioner runs on, unless it was started paused.
     """
 
     def __init__(self, node: Node, positioner: str, rate: float) -> None:
@@ -48,6 +48,7 @@ class Lockstep:
         self._step = node.create_client(Trigger, f'{positioner}/step')
         self._parameters = AsyncParameterClient(node, positioner)
         self._period = 0
+        self._stays_paused = False
         self._samples: dict[str, int] = {}
         self._awaited = 0
         self._answers = self._answers_seen = 0
@@ -56,8 +57,8 @@ class Lockstep:
     def missing(self) -> list[str]:
         """Return the services that nobody offers."""
         return [
-            f'there is no {client.srv_name}' for client in (self._pause, self._reset, self._step)
-            if not client.service_is_ready()
+            f'there is no {self._node.resolve_service_name(client.srv_name)}'
+            for client in (self._pause, self._reset, self._step) if not client.service_is_ready()
         ]
 
     def begin(self, player: Player) -> None:
@@ -94,12 +95,16 @@ class Lockstep:
             player.send(number / self._rate, self.start + number * ticks * self._period)
             await self._call(self._step, Trigger.Request())
             await self._outputs(1 + (number + 1) * ticks)
+        if not self._stays_paused:
+            await self._call(self._pause, SetBool.Request(data=False))
         player.finish()
 
     async def _prepare(self) -> int:
         """Pause the positioner and return its ticks for each step."""
-        response = await self._parameters.get_parameters(['publish_rate', 'step_ticks'])
-        publish_rate, ticks = (parameter_value_to_python(value) for value in response.values)
+        response = await self._parameters.get_parameters(
+            ['publish_rate', 'step_ticks', 'start_paused'])
+        publish_rate, ticks, self._stays_paused = (
+            parameter_value_to_python(value) for value in response.values)
         if publish_rate is None or ticks is None:
             raise ParameterError(
                 f'lockstep: {self._positioner} has no parameters publish_rate and step_ticks')

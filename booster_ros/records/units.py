@@ -10,6 +10,7 @@ LARGEST_KILOPASCALS = 2000.0
 """A pressure signal that stays below this number is in kPa, bar, MPa or psi, not in Pa."""
 
 _NOISE_SHARE = 0.05
+_PRACTICALLY_ZERO = 0.01
 
 
 def check_finite(column: str, values: Array, rows: Array, source: str) -> None:
@@ -44,7 +45,7 @@ def check_pressure_scale(column: str, values: Array, rows: Array, source: str) -
     known = values[np.isfinite(values)]
     if not known.size or np.abs(known).max() >= LARGEST_KILOPASCALS:
         return
-    is_vented = not known.any() or np.mean(known < 0.0) > _NOISE_SHARE
+    is_vented = np.abs(known).max() < _PRACTICALLY_ZERO or np.mean(known < 0.0) > _NOISE_SHARE
     if is_vented:
         return
     highest = int(np.nanargmax(np.abs(values)))

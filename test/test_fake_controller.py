@@ -1,0 +1,206 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `fake_controller` in a process of its own, against a positioner in another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+import signal
+import time
+
+import numpy as np
+import positioner_process
+from positioner_process import with_parameters
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from ros_client import RosClient
+from ros_process import RosProcess, program
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64, String
+
+from booster_ros.model.parameters import from_values
+from booster_ros.model.simulation import Plant
+from booster_ros.records import Record, read_record
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def controller(*ros_arguments: str, **parameters: object) -> RosProcess:
+    arguments = [*ros_arguments, *with_parameters(**parameters)]
+    return RosProcess(program('fake_controller', '--ros-args', *arguments))
+
+
+@pytest.fixture(scope='module')
+def positioner() -> Iterator[RosProcess]:
+    """Return a positioner that several tests drive, one after the other."""
+    with positioner_process.start() as node:
+        yield node
+
+
+def replayed(record: Record) -> Plant:
+    """Check that the model, driven by the record's current, gives its outputs; return the model."""
+    plant = Plant(from_values({}))
+    outputs = []
+    for current in record['control_current']:
+        outputs.append(plant.outputs())
+        plant.advance(current, 10)
+    for name, resolution in (('chamber_pressure', 0.01), ('valve_position', 1e-8)):
+        modelled = [getattr(output, f'measured_{name}') for output in outputs]
+        np.testing.assert_allclose(record[name], modelled, rtol=0.0, atol=resolution)
+    return plant
+
+
+@pytest.mark.parametrize('feedback', ['plain', 'stamped'])
+def test_a_recording_in_lockstep_is_what_the_model_says(tmp_path, positioner, feedback):
+    """Every command counts from the very tick it was sent for, whatever the processes do."""
+    csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
+    with controller(
+        profile='sines', low=3.8e-4, high=4.6e-4, frequencies=[0.5, 1.3], cycles=3, lockstep=True,
+        feedback=feedback, record_csv=csv, record_bag=bag,
+    ) as node:
+        assert node.wait() == 0, node.output
+    record = read_record(csv)
+    assert len(record) == 601
+    np.testing.assert_allclose(record['time'], np.arange(601) / 100, atol=1e-9)
+    assert len(np.unique(record['control_current'])) > 300
+    assert replayed(record).outputs().valve_position > 0.0
+    from_bag = read_record(bag)
+    for name in record.columns:
+        np.testing.assert_allclose(from_bag[name], record[name], rtol=1e-6, atol=1e-3)
+
+
+def test_a_profile_is_played_in_real_time_and_recorded(tmp_path, positioner, ros_client):
+    csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
+    commands = ros_client.listen('control_current', Float64)
+    phases = ros_client.listen('fake_controller/status', String)
+    with controller(
+        levels=[2e-4, 4e-4], dwell=1.0, feedback='stamped', record_csv=csv, record_bag=bag,
+        bag_format='sqlite3',
+    ) as node:
+        assert node.wait() == 0, node.output
+        assert any('1.0 of 2 s played, 50%' in line for line in node.stderr)
+    ros_client.spin_until(lambda: 'done' in [phase.data for phase in phases])
+    assert [phase.data for phase in phases][-2:] == ['playing', 'done']
+    ros_client.spin_until(lambda: {command.data for command in commands} == {2e-4, 4e-4})
+    record = read_record(csv)
+    assert record['time'][-1] == pytest.approx(2.0, abs=0.1)
+    np.testing.assert_allclose(np.diff(record['time']), 0.01, atol=2e-6)
+    first_high = np.flatnonzero(record['control_current'] == 4e-4)[0]
+    assert record['time'][first_high] == pytest.approx(1.0, abs=0.05)
+    assert set(read_record(bag).columns) == set(record.columns)
+
+
+def test_the_position_loop_moves_the_stem_to_the_set_point(tmp_path, positioner):
+    csv = tmp_path / 'record.csv'
+    with controller(
+        mode='position', levels=[0.008], dwell=8.0, lockstep=True, record_csv=csv,
+    ) as node:
+        assert node.wait() == 0, node.output
+    record = read_record(csv)
+    assert record['valve_position'][-1] == pytest.approx(0.008, abs=2e-4)
+    replayed(record)
+
+
+@pytest.mark.parametrize('first', [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_recording_is_complete_and_said_to_be_partial(tmp_path, positioner, first):
+    csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
+    with controller(dwell=100.0, record_csv=csv, record_bag=bag) as node:
+        node.wait_for('playing')
+        time.sleep(0.3)
+        assert not csv.exists()
+        node.send(first)
+        time.sleep(0.003)
+        assert node.interrupt() == 0, node.output
+        assert 'partial' in node.output
+        assert 'Traceback' not in node.output
+    assert 10 < len(read_record(csv)) < 1000
+    assert len(read_record(bag)) > 10
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['record', 'record.csv']
+
+
+def test_keep_alive_goes_on_sending_and_the_status_is_latched(positioner, ros_client):
+    with controller(levels=[1e-4], dwell=0.1, keep_alive=True) as node:
+        node.wait_for('done')
+        late: list[String] = []
+        ros_client.node.create_subscription(String, 'fake_controller/status', late.append, LATCHED)
+        ros_client.spin_until(lambda: bool(late))
+        assert late[0].data == 'done'
+        assert [m.data for m in ros_client.receive('control_current', Float64, 5)] == [1e-4] * 5
+        assert node.interrupt() == 0, node.output
+
+
+def test_simulated_time_sets_the_pace(tmp_path, ros_client):
+    """The profile lasts two simulated seconds, which pass in a fraction of real ones."""
+    csv = tmp_path / 'record.csv'
+    clock = ros_client.node.create_publisher(Clock, '/clock', 10)
+    simulated = 100.0
+    namespace = ['-r', '__ns:=/sim']
+    with positioner_process.start(*namespace, *with_parameters(use_sim_time=True)), controller(
+        *namespace, use_sim_time=True, levels=[2e-4, 4e-4], dwell=1.0, feedback='stamped',
+        record_csv=csv,
+    ) as node:
+        end = time.monotonic() + 20.0
+        while not csv.exists() and time.monotonic() < end:
+            message = Clock()
+            message.clock.sec, rest = divmod(round(simulated * 1e9), 10**9)
+            message.clock.nanosec = rest
+            clock.publish(message)
+            simulated += 0.005
+            time.sleep(0.002)
+        assert node.wait() == 0, node.output
+    record = read_record(csv)
+    assert record['time'][-1] == pytest.approx(2.0, abs=0.05)
+    first_high = np.flatnonzero(record['control_current'] == 4e-4)[0]
+    assert record['time'][first_high] == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize(('parameters', 'says'), [
+    ({'levles': 1.0}, 'there is no parameter levles; did you mean levels?'),
+    ({'rate': -1}, 'rate'),
+    ({'levels': [0.0, 0.4524]}, 'is it in mA?'),
+    ({'profile': 'csv', 'csv_file': '/no/file.csv'}, '/no/file.csv: No such file'),
+    ({'record_csv': '/no/folder/x.csv'}, '/no/folder/x.csv cannot be written'),
+    ({'wait_timeout': 0.3}, 'nobody subscribes to /alone/control_current'),
+    ({'wait_timeout': 0.3, 'lockstep': True}, 'there is no /alone/positioner/step'),
+])
+def test_what_it_cannot_do_it_says_in_a_sentence(parameters, says):
+    with controller('-r', '__ns:=/alone', **parameters) as node:
+        assert node.wait() == 2
+    complaints = [line for line in node.stderr if not line.startswith('[')]
+    assert len(complaints) == 1
+    assert says in complaints[0]
+
+
+def test_nothing_is_left_of_a_recording_that_never_began(tmp_path):
+    with controller(
+        '-r', '__ns:=/alone', wait_timeout=0.2, record_csv=tmp_path / 'x.csv',
+        record_bag=tmp_path / 'x',
+    ) as node:
+        assert node.wait() == 2
+    assert not list(Path(tmp_path).iterdir())
+
+
+def test_lockstep_needs_the_rate_of_the_positioner(positioner):
+    with controller(rate=50.0, lockstep=True) as node:
+        assert node.wait() == 2
+        assert 'publish_rate / step_ticks of positioner, 100 Hz' in node.output
+
+
+def test_the_config_file_is_the_default_but_for_the_feedback(positioner):
+    with controller(
+        '--params-file', 'config/fake_controller.yaml', dwell=0.05, rate=200,
+    ) as node:
+        assert node.wait() == 0, node.output
+        line = node.wait_for('parameters in force')
+    assert 'levels (0.0, 0.0004524, 0.0, 0.0004524)' in line
+    assert 'rate 200.0' in line
+    assert 'feedback stamped' in line
+
+
+def test_a_client_that_sees_the_commands_needs_no_positioner(ros_client: RosClient):
+    """Whatever subscribes to control_current is a positioner; without a recording that suffices."""
+    with controller('-r', '__ns:=/stub', levels=[3e-4], dwell=0.2) as node:
+        received = ros_client.receive('/stub/control_current', Float64, 5)
+        assert node.wait() == 0, node.output
+    assert {message.data for message in received} == {3e-4}
