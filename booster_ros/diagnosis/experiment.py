@@ -1,0 +1,112 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""An experiment: what drives the model, what is compared, and how noisy that is."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from booster_ros.model.simulation import Simulation, simulate
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+STATE_CHANNELS = ('back_pressure', 'supply_pressure', 'chamber_pressure')
+"""Channels that are states of the model, so that a measured one can drive what is downstream."""
+
+OUTPUT_OF = {
+    'back_pressure': 'back_pressure',
+    'supply_pressure': 'supply_pressure',
+    'mass_flow': 'mass_flow',
+    'chamber_pressure': 'measured_chamber_pressure',
+    'valve_position': 'measured_valve_position',
+}
+"""The model's output that a channel of a record is compared with."""
+
+UNITS = {'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass_flow': 'kg/s',
+         'chamber_pressure': 'Pa', 'valve_position': 'm'}
+
+
+@dataclass(frozen=True)
+class Initial:
+    """Where the model starts: departures from the first row that a fit may turn."""
+
+    chamber_pressure: float
+    back_pressure_departure: float = 0.0
+    valve_position: float | None = None
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """
+    A record made ready: arrays of shape (n,), SI units.
+
+    `current` drives the E/P converter; `pinned` channels drive what is downstream of them instead
+    of the model's own states; `measured` channels are compared, NaN where a row does not count;
+    `noise` is the standard deviation of each measured channel.
+    """
+
+    time: Array
+    current: Array
+    measured: dict[str, Array]
+    noise: dict[str, float]
+    pinned: dict[str, Array]
+    initial: Initial
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The compared channels."""
+        return tuple(self.measured)
+
+    def simulate(self, parameters: PositionerParameters, initial: Initial | None = None
+                 ) -> Simulation:
+        """Run the model over this experiment."""
+        start = initial or self.initial
+        state: dict[str, float] = {}
+        if 'chamber_pressure' not in self.pinned:
+            state['chamber_pressure'] = start.chamber_pressure
+        if start.valve_position is not None and 'valve_position' not in self.pinned:
+            state['valve_position'] = start.valve_position
+        return simulate(
+            parameters, self.time, self.current, state, self.pinned,
+            back_pressure_departure=start.back_pressure_departure)
+
+    def predict(self, parameters: PositionerParameters, initial: Initial | None = None
+                ) -> dict[str, Array]:
+        """Return what the model says each compared channel reads."""
+        run = self.simulate(parameters, initial)
+        return {name: run[OUTPUT_OF[name]] for name in self.measured}
+
+    def thinned(self, factor: int) -> tuple['Experiment', Array]:
+        """
+        Return this experiment with fewer rows, and which rows those are.
+
+        Rows at which the drive jumps are kept, so that the thinned drive is the same; between
+        them every `factor`-th row stays.
+        """
+        size = len(self.time)
+        step = np.abs(np.diff(self.current))
+        jump = step > max(20.0 * float(np.median(step)), 1e-3 * float(np.ptp(self.current)))
+        keep = np.zeros(size, dtype=bool)
+        keep[::factor] = True
+        keep[-1] = True
+        rows = np.flatnonzero(jump) + 1
+        for offset in (0, 1, 2):
+            keep[np.minimum(rows + offset, size - 1)] = True
+        kept = np.flatnonzero(keep)
+        thin = replace(
+            self, time=self.time[kept], current=self.current[kept],
+            measured={name: values[kept] for name, values in self.measured.items()},
+            pinned={name: values[kept] for name, values in self.pinned.items()})
+        return thin, kept
+
+    def with_measured(self, measured: dict[str, Array]) -> 'Experiment':
+        """Return the same experiment with other measurements."""
+        return replace(self, measured=measured)
+
+
+def rmse(measured: Array, predicted: Array, rows: Array) -> float:
+    """Return the root mean square difference over the marked rows, NaN rows left out."""
+    difference = (measured - predicted)[rows]
+    difference = difference[np.isfinite(difference)]
+    return float(np.sqrt(np.mean(difference**2))) if len(difference) else float('nan')

@@ -1,0 +1,249 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Fitting parameters of the model to an experiment.
+
+A fit minimises, over a vector of dimensionless variables z,
+
+    sum over channels and marked rows ((measured - model(z)) / noise)²  +  sum (prior)²
+
+by bounded trust-region least squares (scipy), with the columns of the Jacobian simulated side by
+side: the compiled model gives up Python's lock.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+import os
+from typing import Sequence
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.model.actuator import has_dry_friction
+from booster_ros.model.catalogue import Effect, Knob
+from booster_ros.model.parameters import ParameterError, check_consistent
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+_POOL = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
+
+FAR = 1e3
+"""Scaled residual where the model cannot run; large, finite, flat: a fit turns away."""
+
+
+@dataclass(frozen=True)
+class Free:
+    """
+    A parameter that a fit turns: value = knob.from_fit(centre + scale · z).
+
+    `sigma` is the standard deviation of the prior in units of `scale`, infinite for none.
+    """
+
+    knob: Knob
+    centre: float
+    scale: float
+    sigma: float = float('inf')
+    element: int | None = None
+
+    @property
+    def low(self) -> float:
+        """Lower bound of z."""
+        return (min(self._ends()) - self.centre) / self.scale
+
+    @property
+    def high(self) -> float:
+        """Upper bound of z."""
+        return (max(self._ends()) - self.centre) / self.scale
+
+    def _ends(self) -> tuple[float, float]:
+        if self.knob.inverse:
+            return 0.0, self.knob.to_fit(self.knob.low)
+        return self.knob.low, self.knob.high
+
+    def value(self, z: float) -> float:
+        """Return the parameter's value in SI."""
+        return self.knob.from_fit(self.centre + self.scale * z)
+
+    def variable(self, value: float) -> float:
+        """Return z for a value."""
+        return (self.knob.to_fit(value) - self.centre) / self.scale
+
+
+def put(p: PositionerParameters, name: str, value: float, element: int | None = None
+        ) -> PositionerParameters:
+    """Return the parameters with one of them, by its dotted name, changed."""
+    component, attribute = name.split('.')
+    content = getattr(p, component)
+    if element is not None:
+        elements = list(getattr(content, attribute))
+        elements[element] = value
+        return p._replace(**{component: content._replace(**{attribute: tuple(elements)})})
+    return p._replace(**{component: content._replace(**{attribute: value})})
+
+
+def get(p: PositionerParameters, name: str) -> float:
+    """Return a parameter by its dotted name."""
+    component, attribute = name.split('.')
+    return float(getattr(getattr(p, component), attribute))
+
+
+# Relative (or absolute, in SI) spread within which a declared parameter may be off, the bounds at
+# five times as much. Wider than maker's tolerances on purpose for those that only scale speed.
+_DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
+    ('ep_converter.gain', 0.02, 0.0, None),
+    ('ep_converter.offset', 0.0, 2e3, None),
+    ('ep_converter.time_constant', 0.15, 0.0, None),
+    ('booster.opening_gain', 0.06, 0.0, None),
+    ('booster.max_area', 0.06, 0.0, None),
+    ('booster.critical_pressure_ratio', 0.03, 0.0, None),
+    ('supply.pressure', 0.015, 0.0, None),
+    ('actuator.dead_volume', 0.06, 0.0, None),
+    ('actuator.bench_set', 0.004, 0.0, 0),
+    ('actuator.bench_set', 0.004, 0.0, 1),
+    ('actuator.viscous_friction', 0.3, 0.0, None),
+    ('actuator.stop_stiffness', 0.5, 0.0, None),
+)
+
+
+def declared_freedom(p: PositionerParameters, names: Sequence[str] | None = None
+                     ) -> list[Free]:
+    """Return the declared parameters that a refit may turn, with their priors."""
+    found = []
+    for name, relative, absolute, element in _DECLARED:
+        if names is not None and name not in names:
+            continue
+        component, attribute = name.split('.')
+        value = getattr(getattr(p, component), attribute)
+        value = float(value if element is None else value[element])
+        spread = absolute + relative * abs(value)
+        if spread <= 0.0:
+            continue
+        low = value - 5.0 * spread if absolute else max(value - 5.0 * spread, 0.05 * value)
+        found.append(Free(
+            Knob(name, value, low, value + 5.0 * spread, value), value, spread, 1.0, element))
+    return found
+
+
+def effect_freedom(effect: Effect) -> list[Free]:
+    """Return the parameters of an effect, neutral at z = 0, typical near z = 1."""
+    found = []
+    for knob in effect.knobs:
+        neutral = 0.0 if knob.inverse else knob.neutral
+        scale = knob.to_fit(knob.typical) - neutral
+        if scale == 0.0 or knob.shape:
+            scale = knob.to_fit(knob.typical) or 1.0
+        found.append(Free(knob, neutral, scale))
+    return found
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model: z of each freedom, parameters, start, and how well it does."""
+
+    freedoms: tuple[Free, ...]
+    z: Array
+    parameters: PositionerParameters
+    initial: Initial
+    cost: float
+    jacobian: Array = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is to be fitted: an experiment, the rows that count, and the given parameters."""
+
+    experiment: Experiment
+    rows: Array
+    base: PositionerParameters
+    freedoms: tuple[Free, ...]
+
+    @property
+    def nuisances(self) -> int:
+        """Number of variables for the start, behind those of the parameters."""
+        return 0 if 'chamber_pressure' in self.experiment.pinned else 2
+
+    def parameters(self, z: Array) -> PositionerParameters:
+        """Return the parameters at z."""
+        p = self.base
+        for free, variable in zip(self.freedoms, z):
+            p = put(p, free.knob.parameter, free.value(variable), free.element)
+        return p
+
+    def initial(self, z: Array, p: PositionerParameters) -> Initial:
+        """Return the start at z: the stem stands where it was seen if it can stick."""
+        start = self.experiment.initial
+        if not has_dry_friction(p.actuator):
+            start = replace(start, valve_position=None)
+        elif start.valve_position is not None:
+            seen = start.valve_position - p.sensors.position_bias
+            start = replace(start, valve_position=seen / (1.0 + p.sensors.position_span_error))
+        if self.nuisances:
+            pressure, departure = z[len(self.freedoms):]
+            start = replace(
+                start, back_pressure_departure=500.0 * departure,
+                chamber_pressure=start.chamber_pressure + 100.0 * pressure
+                - p.sensors.pressure_bias)
+        return start
+
+    def predict(self, z: Array) -> dict[str, Array] | None:
+        """Return the model's channels at z, None where it cannot run."""
+        p = self.parameters(z)
+        try:
+            check_consistent(p)
+        except ParameterError:
+            return None
+        return self.experiment.predict(p, self.initial(z, p))
+
+    def residuals(self, z: Array) -> Array:
+        """Return the scaled residuals of all marked rows, priors behind them."""
+        predicted = self.predict(z)
+        parts = []
+        for name, measured in self.experiment.measured.items():
+            rows = self.rows & np.isfinite(measured)
+            if predicted is None:
+                parts.append(np.full(int(rows.sum()), FAR))
+                continue
+            scaled = (measured[rows] - predicted[name][rows]) / self.experiment.noise[name]
+            parts.append(np.nan_to_num(scaled, nan=FAR, posinf=FAR, neginf=-FAR))
+        priors = [variable / free.sigma for free, variable in zip(self.freedoms, z)
+                  if np.isfinite(free.sigma)]
+        start = z[len(self.freedoms):] / np.array([3.0, 4.0]) if self.nuisances else []
+        return np.concatenate([*parts, priors, start])
+
+    def jacobian(self, z: Array) -> Array:
+        """Return d(residuals)/dz by one-sided differences, columns side by side."""
+        here = self.residuals(z)
+
+        def column(j: int) -> Array:
+            step = 0.02
+            if j < len(self.freedoms) and z[j] + step > self.freedoms[j].high:
+                step = -step
+            moved = z.copy()
+            moved[j] += step
+            return (self.residuals(moved) - here) / step
+
+        return np.stack(list(_POOL.map(column, range(len(z)))), axis=1)
+
+    def rows_counted(self) -> int:
+        """Return how many measurements count, over all channels."""
+        return sum(int(np.sum(self.rows & np.isfinite(measured)))
+                   for measured in self.experiment.measured.values())
+
+    def start(self) -> Array:
+        """Return z of the given parameters."""
+        return np.zeros(len(self.freedoms) + self.nuisances)
+
+    def fit(self, z: Array | None = None, evaluations: int = 20) -> Fit:
+        """Return the best fit from z on (default: from the given parameters)."""
+        low = np.array([f.low for f in self.freedoms] + [-np.inf] * self.nuisances)
+        high = np.array([f.high for f in self.freedoms] + [np.inf] * self.nuisances)
+        begin = self.start() if z is None else z
+        margin = 1e-6 * np.minimum(high - low, 1.0)
+        found = least_squares(
+            self.residuals, np.clip(begin, low + margin, high - margin), self.jacobian,
+            bounds=(low, high), max_nfev=evaluations, ftol=1e-4, xtol=1e-4)
+        p = self.parameters(found.x)
+        return Fit(self.freedoms, found.x, p, self.initial(found.x, p), 2.0 * found.cost,
+                   found.jac)

@@ -1,0 +1,100 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a diagnosis says: plain data, for the report, the files and the tests."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.segments import Segment
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect that the model lacked; `location` is where it is born."""
+
+    name: str
+    location: str
+    parameters: dict[str, Interval]
+    confused_with: tuple[str, ...]
+    separating_experiment: str
+    evidence: dict[str, float]
+
+
+@dataclass(frozen=True)
+class UnknownTerm:
+    """A discrepancy without a name: a table over one variable in one component."""
+
+    location: str
+    variable: str
+    variable_unit: str
+    unit: str
+    knots: Array
+    values: Array
+
+
+@dataclass(frozen=True)
+class ChannelError:
+    """Root mean square errors of one channel: parameters as given, refitted, with the effect."""
+
+    unit: str
+    declared: float
+    before: float
+    after: float
+    noise: float
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A model that was tried: its effects, its mean square misfit (1 is noise), its fate."""
+
+    effects: tuple[str, ...]
+    misfit: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """A declared parameter: as given, refitted without and with the effect."""
+
+    name: str
+    unit: str
+    given: float
+    before: float
+    after: float
+    spread: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after')."""
+
+    verdict: str
+    effects: tuple[FoundEffect, ...]
+    unknown: UnknownTerm | None
+    error: dict[str, ChannelError]
+    held_out: dict[str, ChannelError]
+    suspects: tuple[Suspect, ...]
+    refitted: tuple[Refitted, ...]
+    declared: PositionerParameters
+    before: PositionerParameters
+    after: PositionerParameters
+    experiment: Experiment
+    segments: tuple[Segment, ...]
+    runs: dict[str, dict[str, Array]] = field(repr=False)
+    notes: tuple[str, ...] = ()
+    validation: dict[str, ChannelError] = field(default_factory=dict)

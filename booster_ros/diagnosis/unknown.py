@@ -1,0 +1,105 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A discrepancy without a name: which component lacks what, as a function of what.
+
+A tabulated term (model/discrepancy) is tried in every component over the variables that a missing
+effect there would depend on. Its values enter nearly linearly, so one simulation per knot and one
+linear solve, with the declared parameters reacting, tell what each can reach.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from booster_ros.diagnosis.fit import Fit, Free, Problem
+from booster_ros.model import discrepancy as term
+from booster_ros.model.catalogue import Knob
+from booster_ros.model.discrepancy import KNOTS, Discrepancy
+
+Array = np.ndarray
+
+# What a term may depend on in each component, and a size of it that a record shows.
+_TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
+    (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.TIME)),
+    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE, term.CHAMBER_PRESSURE)),
+    (term.SUPPLY, 1e3, (term.TIME,)),
+    (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY)),
+    (term.STEM, 200.0, (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE)),
+    (term.PRESSURE_SENSOR, 1e3, (term.CHAMBER_PRESSURE, term.TIME)),
+    (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
+)
+
+LOCATION_NAMES = {'pressure_sensor': 'sensor', 'position_sensor': 'sensor'}
+"""Locations as reports print them, where they differ from the table's."""
+
+WIDEST = 30.0
+"""Standard deviation of the prior on a value, in typical sizes: keeps unseen knots near zero."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """A place for a discrepancy: component, variable, and a size that shows."""
+
+    location: int
+    variable: int
+    size: float
+
+    @property
+    def label(self) -> str:
+        """Return 'component over variable'."""
+        return f'{term.LOCATIONS[self.location]} over {term.VARIABLES[self.variable]}'
+
+
+def terms(channels: tuple[str, ...]) -> list[Term]:
+    """Return the terms worth trying with these compared channels."""
+    absent = set()
+    if 'chamber_pressure' not in channels:
+        absent.add(term.PRESSURE_SENSOR)
+    if 'valve_position' not in channels:
+        absent |= {term.POSITION_SENSOR, term.STEM}
+    return [Term(location, variable, size) for location, size, variables in _TERMS
+            for variable in variables if location not in absent]
+
+
+def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
+    """Return the problem with the table's inner values free; the range is what the fit visits."""
+    run = problem.experiment.simulate(reference.parameters, reference.initial)
+    values = run[term.VARIABLES[one.variable]]
+    low, high = np.quantile(values[np.isfinite(values)], [0.002, 0.998])
+    spacing = max((high - low) / (KNOTS - 3), 1e-12)
+    table = Discrepancy(one.location, one.variable, float(low - spacing), float(high + spacing))
+    knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
+    values_free = tuple(
+        Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
+    return Problem(problem.experiment, problem.rows, problem.base._replace(discrepancy=table),
+                   problem.freedoms + values_free)
+
+
+def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Array, Problem]:
+    """Return the cost that a term can reach by linear reckoning, the z there, and its problem."""
+    joint = with_term(problem, reference, one)
+    where = len(problem.freedoms)
+    z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
+    r = joint.residuals(z)
+    columns = []
+    for j in range(where, where + KNOTS - 2):
+        moved = z.copy()
+        moved[j] += 0.1
+        columns.append((joint.residuals(moved) - r) / 0.1)
+    data = problem.rows_counted()
+    jacobian = np.zeros((len(r), len(z)))
+    outer = np.r_[0:where, where + KNOTS - 2:len(z)]
+    jacobian[:data, outer] = reference.jacobian[:data]
+    for j, column in zip(range(where, where + KNOTS - 2), columns):
+        jacobian[:, j] = column
+    for j, free in enumerate(joint.freedoms):
+        if np.isfinite(free.sigma) and j < where:
+            row = data + sum(np.isfinite(f.sigma) for f in joint.freedoms[:j])
+            jacobian[row, j] = 1.0 / free.sigma
+    tail = joint.nuisances
+    for j in range(tail):
+        jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / (3.0, 4.0)[j]
+    move = np.linalg.lstsq(jacobian, -r, rcond=1e-9)[0]
+    left = r + jacobian @ move
+    return float(left @ left), z + move, joint
