@@ -35,11 +35,11 @@ DESCRIPTIONS: dict[str, Description] = {
             'dwell', 20.0, 's', 'how long each level or stair is held', 1e-3, _FOREVER,
             'twice the settling time of the 0.4524 mA step'),
         Description(
-            'low', 0.38e-3, 'A or m', 'lowest value of staircase, triangle and sines', -1.0, 1.0,
-            'about where the stem leaves its closed stop'),
+            'low', 0.395e-3, 'A or m', 'lowest value of staircase, triangle and sines', -1.0, 1.0,
+            'the stem leaves its closed stop at 0.401 mA'),
         Description(
-            'high', 0.46e-3, 'A or m', 'highest value of staircase, triangle and sines', -1.0, 1.0,
-            'about where the stem reaches its open stop'),
+            'high', 0.47e-3, 'A or m', 'highest value of staircase, triangle and sines', -1.0, 1.0,
+            'the stem reaches its open stop at 0.465 mA'),
         Description(
             'stairs', 5, '-', 'stairs from low to high, and as many down', 1.0, 1e6,
             'every fifth of the travel'),
@@ -68,8 +68,8 @@ DESCRIPTIONS: dict[str, Description] = {
             'loop_integral_time', 5.0, 's', 'integral time of the position loop', 1e-6, 1e9,
             'docs/fake_controller.md'),
         Description(
-            'loop_bias', 0.38e-3, 'A', 'current that the position loop starts from', -1.0, 1.0,
-            'about where the stem leaves its closed stop'),
+            'loop_bias', 0.4e-3, 'A', 'current that the position loop starts from', -1.0, 1.0,
+            'the stem leaves its closed stop at 0.401 mA'),
         Description(
             'loop_current_limits', (0.0, 0.6e-3), 'A', 'lowest and highest current of the '
             'position loop', -1.0, 1.0, 'below saturation of the E/P converter, 0.74 mA'),

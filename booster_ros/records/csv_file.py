@@ -39,9 +39,11 @@ def read_csv(path: str | os.PathLike[str]) -> tuple[dict[str, Array], Array, tup
         chunks = list(_chunks(header, file, source))
     if not chunks:
         raise RecordError(f'{source} has a header and no rows of data')
-    values = np.concatenate([chunk.values for chunk in chunks])
     rows = np.concatenate([chunk.rows for chunk in chunks])
-    columns = {name: values[:, place].copy() for place, name in enumerate(header.names)}
+    columns = {
+        name: np.concatenate([chunk.values[:, place] for chunk in chunks])
+        for place, name in enumerate(header.names)
+    }
     return columns, rows, header.defects
 
 
