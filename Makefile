@@ -24,7 +24,7 @@ demo:
 
 test:
 	@$(PYTHON) scripts/prepare_environment.py test
-	@$(VENV_PYTHON) -m pytest
+	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
 
 # For maintainers: pin anew what requirements/*.in ask for, for Python 3.10 to 3.14 on Linux.
 pins:
