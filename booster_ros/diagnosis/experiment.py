@@ -43,7 +43,8 @@ class Experiment:
 
     `current` drives the E/P converter; `pinned` channels drive what is downstream of them instead
     of the model's own states; `measured` channels are compared, NaN where a row does not count;
-    `noise` is the standard deviation of each measured channel.
+    `noise` is the standard deviation of each measured channel. A `quasi_static` experiment is a
+    sweep without a clock: its time only counts rows. `notes` say what was left out and assumed.
     """
 
     time: Array
@@ -52,6 +53,8 @@ class Experiment:
     noise: dict[str, float]
     pinned: dict[str, Array]
     initial: Initial
+    quasi_static: bool = False
+    notes: tuple[str, ...] = ()
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -1,0 +1,165 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a cleaned record to an experiment."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.noise import noise_level
+from booster_ros.diagnosis.roles import Roles, roles
+from booster_ros.diagnosis.start_state import start_state
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import Record, RecordError
+from booster_ros.records.time_axis import gap_rows
+
+Array = np.ndarray
+
+SETTLING = 10.0
+"""Rows within this time after a gap in the drive do not count, s: the chamber must catch up."""
+
+DWELL_PINNED = 1.0
+DWELL_COMMANDED = 30.0
+"""How long each row of a sweep without time stands, s: where a pressure drives, only the stem has
+to follow; where the current drives, the chamber has to fill."""
+
+FEWEST_ROWS = 12
+"""Rows that must be comparable at the least."""
+
+
+def prepare(
+    record: Record, declared: PositionerParameters, dwell: float | None = None
+) -> Experiment:
+    """
+    Return the experiment that a record is.
+
+    The most upstream channels drive, the others are compared; rows in and shortly after gaps of
+    the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
+    seconds each. RecordError where nothing can be compared.
+    """
+    role = roles(record.columns, record.source)
+    columns, trimmed = _from_known_start(record, role)
+    time = columns.get('time')
+    quasi_static = time is None
+    if time is None:
+        time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
+    usable = _usable_rows(time, columns, role, quasi_static)
+    compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
+    _check_enough(compared, record.source)
+    noise = {name: float(noise_level(values)) for name, values in columns.items() if name != 'time'}
+    experiment = Experiment(
+        time=time,
+        current=_current(columns, role, quasi_static),
+        measured=compared,
+        noise={name: noise[name] for name in role.compared},
+        pinned={name: _bridged(time, columns[name]) for name in role.pinned},
+        initial=start_state(columns, declared, noise),
+        quasi_static=quasi_static,
+        notes=(*role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static)),
+    )
+    if quasi_static or not role.pinned:
+        return experiment
+    return _with_noise_of_drives(experiment, declared, noise)
+
+
+def _from_known_start(
+    record: Record, role: Roles
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Return the columns from the row on, and to the row, at which drives and start are known."""
+    needed = list(role.drives)
+    if 'chamber_pressure' in role.compared:
+        needed.append('chamber_pressure')
+    known = np.ones(len(record), dtype=bool)
+    for name in needed:
+        known &= np.isfinite(record[name])
+    rows = np.flatnonzero(known)
+    if not len(rows):
+        raise RecordError(f'{record.source}: no row has all of {", ".join(needed)}')
+    first, last = int(rows[0]), int(rows[-1]) + 1
+    columns = {name: np.asarray(values[first:last]) for name, values in record.columns.items()}
+    cut = len(record) - (last - first)
+    if not cut:
+        return columns, ()
+    return columns, (
+        f'{cut} rows at the ends left out: they lack {" or ".join(needed)}',)
+
+
+def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
+    step = dwell or (DWELL_COMMANDED if role.commanded else DWELL_PINNED)
+    return step * np.arange(rows)
+
+
+def _usable_rows(
+    time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
+) -> Array:
+    """Return which rows have a drive that was known long enough."""
+    usable = np.ones(len(time), dtype=bool)
+    if not role.drives:
+        return usable
+    for name in role.drives:
+        usable &= np.isfinite(columns[name])
+    if quasi_static:
+        # a row of currents starts settled at its own; only from the next on it was dwelt on
+        usable[0] &= not role.commanded
+        return usable
+    ends = set(gap_rows(time).tolist())
+    ends |= set((np.flatnonzero(np.diff(usable.astype(np.int8)) == 1) + 1).tolist())
+    for row in ends:
+        usable &= (time < time[row]) | (time >= time[row] + SETTLING)
+    return usable
+
+
+def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
+    """Return the current that stands from each row to the next."""
+    if not role.commanded:
+        return np.zeros(len(next(iter(columns.values()))))
+    current = columns['control_current']
+    known = np.isfinite(current)
+    current = current[np.maximum.accumulate(np.where(known, np.arange(len(current)), 0))]
+    if quasi_static:
+        # a row of a sweep was read after its own current had stood
+        return np.append(current[1:], current[-1:])
+    return current
+
+
+def _bridged(time: Array, values: Array) -> Array:
+    known = np.isfinite(values)
+    return np.interp(time, time[known], values[known])
+
+
+def _check_enough(compared: Mapping[str, Array], source: str) -> None:
+    rows = max(int(np.isfinite(values).sum()) for values in compared.values())
+    if rows < FEWEST_ROWS:
+        raise RecordError(
+            f'{source}: only {rows} rows can be compared with the model, at least {FEWEST_ROWS} '
+            'are needed')
+
+
+def _row_notes(
+    usable: Array, time: Array, role: Roles, quasi_static: bool
+) -> tuple[str, ...]:
+    notes = []
+    if quasi_static:
+        notes.append(
+            f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row')
+    elif not usable.all():
+        notes.append(
+            f'{int((~usable).sum())} rows in, and up to {SETTLING:g} s after, gaps of '
+            f'{" or ".join(role.drives)} are not compared')
+    return tuple(notes)
+
+
+def _with_noise_of_drives(
+    experiment: Experiment, declared: PositionerParameters, noise: Mapping[str, float]
+) -> Experiment:
+    """Return the experiment with what the noise of measured drives adds to what is compared."""
+    rng = np.random.default_rng(1)
+    shaken = {name: values + noise[name] * rng.standard_normal(len(values))
+              for name, values in experiment.pinned.items()}
+    still = experiment.predict(declared)
+    moved = replace(experiment, pinned=shaken).predict(declared)
+    return replace(experiment, noise={
+        name: float(np.hypot(level, np.nanstd(moved[name] - still[name])))
+        for name, level in experiment.noise.items()})

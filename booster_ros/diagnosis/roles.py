@@ -1,0 +1,81 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which channels of a record drive the model and which are compared with it."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from booster_ros.records import COLUMNS, RecordError
+
+_NO_BOOSTER = 'mass_flow is not compared: without control_current or back_pressure nothing says '\
+    'how far the booster is open'
+_ISOLATED = 'no drive in the record: the chamber is taken as isolated, with the current at 0 A; '\
+    'the parameters must describe that (a booster without opening_gain)'
+
+
+@dataclass(frozen=True)
+class Roles:
+    """
+    What each channel of a record does.
+
+    `pinned` channels stand in for the model's own states, the fastest-moving one first; the
+    control current drives where `commanded`.
+    """
+
+    commanded: bool
+    pinned: tuple[str, ...]
+    compared: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def drives(self) -> tuple[str, ...]:
+        """The columns that the model is driven with."""
+        return ('control_current', *self.pinned) if self.commanded else self.pinned
+
+
+def roles(present: Collection[str], source: str) -> Roles:
+    """
+    Return the roles of the columns present: the most upstream ones drive, the others are compared.
+
+    RecordError where nothing would be left to compare, or nothing says what moves the valve.
+    """
+    timed = 'time' in present
+    supply = tuple(name for name in ('supply_pressure',) if name in present)
+    found = _roles(present, supply, timed)
+    if found is None or not found.compared:
+        columns = ', '.join(name for name in COLUMNS if name in present and name != 'time')
+        clock = '' if timed else ' and no time'
+        raise RecordError(
+            f'{source}: nothing can be compared with the model: the record has {columns}{clock}, '
+            'and needs a drive (control_current, back_pressure or chamber_pressure) and a channel '
+            'downstream of it')
+    return found
+
+
+def _roles(present: Collection[str], supply: tuple[str, ...], timed: bool) -> Roles | None:
+    def those(*names: str) -> tuple[str, ...]:
+        return tuple(name for name in names if name in present)
+
+    if 'control_current' in present:
+        compared = those('back_pressure', 'mass_flow', 'chamber_pressure', 'valve_position')
+        return Roles(True, supply, compared)
+    booster_known = bool(those('back_pressure', 'supply_pressure'))
+    if not timed and booster_known and those('mass_flow', 'chamber_pressure') == (
+            'mass_flow', 'chamber_pressure'):
+        return _flow_bench(those('back_pressure', 'chamber_pressure') + supply)
+    if 'back_pressure' in present:
+        compared = those('mass_flow', 'chamber_pressure', 'valve_position')
+        return Roles(False, ('back_pressure', *supply), compared)
+    notes = those('mass_flow') and (_NO_BOOSTER,)
+    if those('chamber_pressure', 'valve_position') == ('chamber_pressure', 'valve_position'):
+        return Roles(False, ('chamber_pressure', *supply), ('valve_position',), notes)
+    if 'chamber_pressure' in present and timed:
+        return Roles(False, supply, ('chamber_pressure',), (*notes, _ISOLATED))
+    return None
+
+
+def _flow_bench(pinned: tuple[str, ...]) -> Roles:
+    """Return the roles on a bench that sets the pressures around the booster and reads its flow."""
+    notes = () if 'back_pressure' in pinned else (
+        'no back_pressure in the record: taken as that of no current',)
+    return Roles(False, pinned, ('mass_flow',), notes)

@@ -1,0 +1,191 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a record to an experiment: who drives, who is compared, which rows count, where it starts."""
+
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.preparation import DWELL_COMMANDED, SETTLING, prepare
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import RecordError
+from booster_ros.records.cleaning import clean
+
+DECLARED = PositionerParameters()
+ROWS = 400
+
+
+def record_of(**columns):
+    """Return the cleaned record of these columns; a missing row count is filled with ROWS."""
+    arrays = {name: np.array(values, dtype=float) for name, values in columns.items()}
+    size = len(next(iter(arrays.values())))
+    return clean(arrays, np.arange(2, size + 2), 'plant.csv')
+
+
+def step_test(seed=1):
+    """Return time, current, chamber pressure and position of a noisy step from mid travel."""
+    time = 0.1 * np.arange(ROWS)
+    current = np.where(time < 10.0, 0.43e-3, 0.45e-3)
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 215e3})
+    rng = np.random.default_rng(seed)
+    return {
+        'time': time, 'control_current': current,
+        'chamber_pressure': run['chamber_pressure'] + 150.0 * rng.standard_normal(ROWS),
+        'valve_position': run['valve_position'] + 8e-6 * rng.standard_normal(ROWS),
+    }
+
+
+RAMP = np.linspace(20e3, 320e3, ROWS)
+TIME = {'time': 0.1 * np.arange(ROWS)}
+POSITION = {'valve_position': np.linspace(0.0, 0.016, ROWS)}
+CHAMBER = {'chamber_pressure': RAMP}
+BACK = {'back_pressure': 180e3 + 0.2 * RAMP}
+SUPPLY = {'supply_pressure': np.full(ROWS, 400e3)}
+FLOW = {'mass_flow': np.linspace(0.0, 1e-3, ROWS)}
+CURRENT = {'control_current': np.linspace(0.40e-3, 0.46e-3, ROWS)}
+
+
+@pytest.mark.parametrize(('columns', 'pinned', 'compared'), [
+    (TIME | CURRENT | CHAMBER | POSITION, (), ('chamber_pressure', 'valve_position')),
+    (TIME | CURRENT | BACK | SUPPLY | CHAMBER, ('supply_pressure',),
+     ('back_pressure', 'chamber_pressure')),
+    (TIME | BACK | CHAMBER | POSITION, ('back_pressure',), ('chamber_pressure', 'valve_position')),
+    (TIME | BACK | FLOW | CHAMBER, ('back_pressure',), ('mass_flow', 'chamber_pressure')),
+    (BACK | FLOW | CHAMBER | SUPPLY, ('back_pressure', 'chamber_pressure', 'supply_pressure'),
+     ('mass_flow',)),
+    (TIME | CHAMBER | POSITION, ('chamber_pressure',), ('valve_position',)),
+    (CHAMBER | POSITION, ('chamber_pressure',), ('valve_position',)),
+    (TIME | CHAMBER, (), ('chamber_pressure',)),
+    (TIME | CHAMBER | SUPPLY, ('supply_pressure',), ('chamber_pressure',)),
+])
+def test_the_most_upstream_channels_drive_and_the_others_are_compared(columns, pinned, compared):
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert tuple(experiment.pinned) == pinned
+    assert experiment.channels == compared
+    assert np.ptp(experiment.current) == (np.ptp(CURRENT['control_current'])
+                                          if 'control_current' in columns else 0.0)
+    assert experiment.quasi_static == ('time' not in columns)
+
+
+@pytest.mark.parametrize('columns', [
+    TIME | CURRENT, TIME | POSITION, TIME | FLOW, TIME | SUPPLY, CHAMBER, BACK | SUPPLY,
+    CURRENT | SUPPLY,
+])
+def test_a_record_without_a_drive_and_a_response_is_refused_in_one_sentence(columns):
+    with pytest.raises(RecordError, match=r'^plant\.csv: nothing can be compared') as caught:
+        prepare(record_of(**columns), DECLARED)
+    for name in columns.keys() - {'time'}:
+        assert name in str(caught.value)
+
+
+def test_flow_without_a_known_opening_is_left_out_and_that_is_said():
+    experiment = prepare(record_of(**TIME, **CHAMBER, **POSITION, **FLOW), DECLARED)
+    assert experiment.channels == ('valve_position',)
+    assert any('mass_flow is not compared' in note for note in experiment.notes)
+
+
+def test_too_few_rows_are_refused():
+    few = {name: values[:5] for name, values in (CHAMBER | POSITION).items()}
+    with pytest.raises(RecordError, match='only 5 rows'):
+        prepare(record_of(**few), DECLARED)
+
+
+def test_the_prepared_model_of_an_exact_plant_misses_by_the_noise():
+    experiment = prepare(record_of(**step_test()), DECLARED)
+    assert experiment.noise['chamber_pressure'] == pytest.approx(150.0, rel=0.2)
+    assert experiment.noise['valve_position'] == pytest.approx(8e-6, rel=0.2)
+    predicted = experiment.predict(DECLARED)
+    for name, measured in experiment.measured.items():
+        misses = np.std(measured - predicted[name])
+        assert misses < 1.3 * experiment.noise[name]
+
+
+def test_a_resting_start_is_averaged_and_a_moving_one_is_taken_as_it_is():
+    columns = step_test()
+    still = prepare(record_of(**columns), DECLARED).initial
+    assert still.chamber_pressure == pytest.approx(np.mean(columns['chamber_pressure'][:5]))
+    assert still.valve_position == pytest.approx(np.mean(columns['valve_position'][:5]))
+    columns['chamber_pressure'] = columns['chamber_pressure'] - 2e3 * np.arange(ROWS)[::-1]
+    moving = prepare(record_of(**columns), DECLARED).initial
+    assert moving.chamber_pressure == columns['chamber_pressure'][0]
+
+
+def test_without_a_pressure_the_spring_tells_where_the_chamber_starts():
+    columns = step_test()
+    measured = columns.pop('chamber_pressure')
+    start = prepare(record_of(**columns), DECLARED).initial
+    assert start.chamber_pressure == pytest.approx(np.mean(measured[:5]), abs=500.0)
+
+
+@pytest.mark.parametrize(('position', 'current', 'low', 'high'), [
+    (0.0, 0.30e-3, 0.0, 150e3),  # vented against the lower stop
+    (0.016, 0.48e-3, 300e3, 400e3),  # filled against the upper stop
+])
+def test_at_a_stop_the_booster_tells_where_the_chamber_starts(position, current, low, high):
+    record = record_of(
+        time=TIME['time'], control_current=np.full(ROWS, current),
+        valve_position=np.full(ROWS, position) + 1e-6 * np.sin(np.arange(ROWS)))
+    assert low <= prepare(record, DECLARED).initial.chamber_pressure <= high
+
+
+def test_missing_measurements_do_not_count_and_the_others_stay():
+    columns = step_test()
+    columns['valve_position'][50:80] = np.nan
+    experiment = prepare(record_of(**columns), DECLARED)
+    missing = np.isnan(experiment.measured['valve_position'])
+    assert np.flatnonzero(missing).tolist() == list(range(50, 80))
+    assert np.isfinite(experiment.measured['chamber_pressure']).all()
+
+
+def test_rows_after_a_gap_of_the_drive_do_not_count_until_the_chamber_has_caught_up():
+    columns = step_test()
+    kept = np.r_[0:150, 200:ROWS]
+    gapped = {name: values[kept] for name, values in columns.items()}
+    experiment = prepare(record_of(**gapped), DECLARED)
+    counted = np.isfinite(experiment.measured['chamber_pressure'])
+    resumed = experiment.time[150]
+    expected = (experiment.time < resumed) | (experiment.time >= resumed + SETTLING)
+    assert np.array_equal(counted, expected)
+    assert any('gaps of control_current' in note for note in experiment.notes)
+
+
+def test_a_gap_in_a_pinned_drive_is_bridged_by_a_straight_line_that_does_not_count():
+    pressure = RAMP.copy()
+    pressure[100:150] = np.nan
+    experiment = prepare(record_of(**TIME, chamber_pressure=pressure, **POSITION), DECLARED)
+    assert np.allclose(experiment.pinned['chamber_pressure'], RAMP)
+    counted = np.isfinite(experiment.measured['valve_position'])
+    assert not counted[100:250].any()
+    assert counted[:100].all()
+    assert counted[250:].all()
+
+
+def test_rows_before_the_first_known_drive_are_cut_off():
+    columns = step_test()
+    columns['chamber_pressure'][:30] = np.nan
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert len(experiment.time) == ROWS - 30
+    assert experiment.time[0] == columns['time'][30]
+    assert any(note.startswith('30 rows') for note in experiment.notes)
+
+
+def test_a_sweep_of_currents_is_compared_after_each_has_stood():
+    current = np.linspace(0.42e-3, 0.46e-3, 30)
+    settled = []
+    for one in current:
+        time = np.arange(0.0, 60.0, 0.5)
+        settled.append(simulate(DECLARED, time, np.full(len(time), one))['chamber_pressure'][-1])
+    record = record_of(control_current=current, chamber_pressure=settled)
+    experiment = prepare(record, DECLARED)
+    assert np.allclose(np.diff(experiment.time), DWELL_COMMANDED)
+    predicted = experiment.predict(DECLARED)['chamber_pressure']
+    assert np.isnan(experiment.measured['chamber_pressure'][0])
+    assert np.abs(predicted - settled)[1:].max() < 50.0
+
+
+def test_noise_of_a_measured_drive_counts_as_noise_of_what_it_drives():
+    columns = step_test()
+    del columns['control_current']
+    experiment = prepare(record_of(**columns), DECLARED)
+    spring = DECLARED.actuator.travel / 150e3  # m/Pa
+    assert experiment.noise['valve_position'] > 0.8 * np.hypot(8e-6, 150.0 * spring)
