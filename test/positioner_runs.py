@@ -66,3 +66,27 @@ def cut_off(values: dict[str, object] | None, pressure: float, time: np.ndarray)
     return simulate(
         positioner(shut), time, np.full_like(time, current_for(pressure)), settled_at(pressure)
     )
+
+
+def legs(time: np.ndarray, leg: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows of the second way up and of the second way down of a triangle."""
+    up = (time >= 2.0 * leg) & (time < 3.0 * leg)
+    down = (time >= 3.0 * leg) & (time < 4.0 * leg)
+    return up, down
+
+
+def loop_width(
+    time: np.ndarray, leg: float, over: np.ndarray, of: np.ndarray, at: float | np.ndarray
+) -> float | np.ndarray:
+    """Return how much higher `of` is on the way up than on the way down, where `over` is `at`."""
+    up, down = legs(time, leg)
+    return np.interp(at, over[up], of[up]) - np.interp(at, over[down][::-1], of[down][::-1])
+
+
+def slow_triangle(
+    values: dict[str, object] | None, low: float, high: float, leg: float = 60.0
+) -> Simulation:
+    """Return two cycles of a current that would settle between two chamber pressures, Pa."""
+    time = rows(4.0 * leg)
+    current = triangle(time, current_for(low), current_for(high), leg)
+    return simulate(positioner(values), time, current, settled_at(low))

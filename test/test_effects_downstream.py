@@ -1,0 +1,307 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Effects in tubing, chamber and stem, each by the signature that tells it from the others."""
+
+import math
+
+import numpy as np
+from positioner_runs import (
+    PAPER_CURRENT,
+    current_for,
+    cut_off,
+    follow_pressure,
+    loop_width,
+    positioner,
+    rows,
+    settled_at,
+    slow_triangle,
+    triangle,
+)
+import pytest
+
+from booster_ros.model.simulation import Plant, Simulation, simulate
+
+AREA, TRAVEL = 0.0796, 0.016
+SPRING = AREA * 150e3 / TRAVEL
+ATMOSPHERE = 101_325.0
+LEG = 30.0
+TIME = rows(4.0 * LEG)
+LEVELS = np.array([3e-3, 8e-3, 13e-3])
+
+
+def sweep(values: dict[str, object] | None, leg: float = LEG) -> Simulation:
+    """Return the stem under a chamber pressure that goes up and down twice."""
+    time = rows(4.0 * leg)
+    return follow_pressure(values, time, triangle(time, 120e3, 330e3, leg))
+
+
+def pressure_at(run: Simulation, positions: np.ndarray) -> np.ndarray:
+    """Return the chamber pressure at which the stem passes these positions on its second way up."""
+    up = (run['time'] >= 2.0 * LEG) & (run['time'] < 3.0 * LEG)
+    moving = up & (run['valve_position'] > 1e-5) & (run['valve_position'] < TRAVEL - 1e-5)
+    return np.interp(positions, run['valve_position'][moving], run['chamber_pressure'][moving])
+
+
+def pressure_loop(run: Simulation, positions: np.ndarray, leg: float = LEG) -> np.ndarray:
+    """Return how much more pressure the stem needs upwards than downwards."""
+    return np.asarray(
+        loop_width(run['time'], leg, run['valve_position'], run['chamber_pressure'], positions))
+
+
+def expected_pressure(positions: np.ndarray) -> np.ndarray:
+    return 150e3 * (1.0 + positions / TRAVEL)
+
+
+# tubing
+
+
+def test_tubing_outlet_leads_the_chamber_while_air_flows_and_equals_it_at_rest():
+    time = rows(80.0)
+    current = np.where(time < 40.0, PAPER_CURRENT, current_for(140e3))
+    values = {'tubing.restriction_area': 2e-6}
+    run = simulate(positioner(values), time, current, {'back_pressure': 0.0})
+    lead = run['outlet_pressure'] - run['chamber_pressure']
+    filling, venting = (time > 0.5) & (time < 4.0), (time > 40.5) & (time < 42.0)
+    assert lead[filling].min() > 5e3
+    assert lead[venting].max() < -5e3
+    assert abs(lead[time < 40.0][-1]) < 50.0
+    assert abs(lead[-1]) < 50.0
+    # more flow, more lead
+    assert np.corrcoef(lead[filling], run['mass_flow'][filling])[0, 1] > 0.8
+
+
+# chamber
+
+
+def test_chamber_leak_decays_on_and_on():
+    """A shut-off chamber with a closed stem: ln P falls at one rate while the leak is choked."""
+    area = 1e-8
+    run = cut_off({'actuator.leak_area': area}, 145e3, rows(120.0))
+    absolute = run['chamber_pressure'] + ATMOSPHERE
+    choked = absolute > ATMOSPHERE / 0.5
+    rate = np.gradient(np.log(absolute), run['time'])[choked][1:-1]
+    expected = -287.0 * math.sqrt(293.15) * 0.0404184 * area / 0.185e-3
+    assert choked.sum() > 1000
+    assert rate == pytest.approx(expected, rel=0.03)
+    assert run['chamber_pressure'][-1] < 0.55 * 145e3
+    assert np.all(np.diff(run['chamber_pressure']) < 0.0)
+
+
+@pytest.mark.parametrize(
+    ('from_pressure', 'current', 'sign'), [(0.0, 1e-3, 1.0), (390e3, 0.0, -1.0)],
+    ids=['filling', 'venting'],
+)
+def test_heat_overshoots_then_relaxes_to_a_plateau(from_pressure, current, sign):
+    """Fill (or vent) fast, then shut off: the pressure comes back a little, and stays."""
+    values = {'actuator.thermal_resistance': 3.0}
+    time = rows(2.0)
+    moving = simulate(
+        positioner(values), time, np.full_like(time, current), settled_at(from_pressure))
+    names = ('chamber_pressure', 'gas_temperature', 'valve_position')
+    start = {name: float(moving[name][-1]) for name in names}
+    assert sign * (start['gas_temperature'] - 293.15) > 3.0
+    rest = rows(200.0)
+    shut = simulate(
+        positioner({**values, 'booster.max_area': 0.0}), rest, np.zeros_like(rest), start)
+    pressure = shut['chamber_pressure']
+    fall = sign * (pressure[10] - pressure[-1])
+    assert fall > 500.0
+    assert pressure[-1] > 50e3
+    # an exponential to a plateau, not a decay that goes on
+    assert abs(pressure[-1] - pressure[-2000]) < 0.01 * fall
+    assert shut['gas_temperature'][-1] == pytest.approx(293.15, abs=0.02)
+
+
+def test_dead_volume_change_slows_the_closed_stem_only():
+    added = 0.2e-3
+    time = rows(30.0)
+    current = np.full_like(time, 1e-3)
+
+    def run(values):
+        return simulate(positioner(values), time, current, {'back_pressure': 400e3})
+
+    declared, larger = run(None), run({'actuator.added_volume': added})
+
+    def rate(result, level, name):
+        at = int(np.argmax(result[name] > level))
+        return np.gradient(result[name], time)[at]
+
+    # choked and wide open: dp/dt goes as one over the volume
+    assert rate(declared, 60e3, 'chamber_pressure') / rate(
+        larger, 60e3, 'chamber_pressure') == pytest.approx(
+            (0.185e-3 + added) / 0.185e-3, rel=0.03)
+    # while the stem moves, the swept volume rules
+    assert rate(declared, 8e-3, 'valve_position') / rate(
+        larger, 8e-3, 'valve_position') == pytest.approx(1.0, abs=0.08)
+    assert larger['chamber_pressure'][-1] == pytest.approx(
+        declared['chamber_pressure'][-1], abs=100.0)
+
+
+# stem
+
+
+@pytest.mark.parametrize('leg', [15.0, 60.0])
+def test_friction_is_a_loop_of_position_over_pressure_whatever_the_rate(leg):
+    """Two parallel lines, 2 Fc / A apart in pressure."""
+    force = 400.0
+    loop = pressure_loop(sweep({'actuator.coulomb_friction': force}, leg), LEVELS, leg)
+    # viscous friction adds to the loop: twice c v / A
+    viscous = 2.0 * 3000.0 * TRAVEL / (leg * 150e3 / 210e3) / AREA
+    assert loop == pytest.approx(2.0 * force / AREA + viscous, rel=0.01)
+    assert np.all(np.abs(pressure_loop(sweep(None, leg), LEVELS, leg) - viscous) < 50.0)
+
+
+def test_a_stuck_stem_stands_exactly_still_over_the_dead_band():
+    force = 400.0
+    run = sweep({'actuator.coulomb_friction': force})
+    time, position = run['time'], run['valve_position']
+    # reversal of the pressure at full travel aside, look at one in mid travel
+    pressure = 200e3 + 10e3 * np.minimum(time, 8.0 - np.minimum(time, 4.0))
+    pressure = np.where(time < 4.0, 200e3 + 10e3 * time, np.maximum(280e3 - 10e3 * time, 150e3))
+    run = follow_pressure({'actuator.coulomb_friction': force}, time, pressure)
+    position, velocity = run['valve_position'], run['stem_velocity']
+    dead_band = 2.0 * force / AREA
+    stuck = (time > 4.05) & (time < 4.0 + 0.98 * dead_band / 10e3)
+    assert stuck.sum() > 80
+    assert np.all(velocity[stuck] == 0.0)
+    assert np.ptp(position[stuck]) == 0.0
+    free = (time > 4.0 + 1.1 * dead_band / 10e3) & (time < 7.0)
+    assert np.all(velocity[free] < 0.0)
+
+
+def test_stiction_is_a_staircase():
+    """
+    Under a slow ramp of pressure the stem stands, jumps, stands.
+
+    It breaks away at the full force and slides against the lower one; jumps are of the order of
+    stiction over spring rate.
+    """
+    fc, stiction = 300.0, 200.0
+    time = rows(100.0)
+    pressure = 170e3 + 1e3 * time
+    values = {'actuator.coulomb_friction': fc, 'actuator.stiction': stiction,
+              'actuator.stribeck_velocity': 1e-3}
+    run = follow_pressure(values, time, pressure)
+    position, velocity = run['valve_position'], run['stem_velocity']
+    assert np.mean(velocity == 0.0) > 0.9
+    stuck = np.flatnonzero(velocity == 0.0)
+    rises = np.diff(position[stuck])
+    jumping = rises > 0.1 * stiction / SPRING
+    jumps = rises[jumping]
+    assert len(jumps) > 30
+    assert jumps == pytest.approx(stiction / SPRING, rel=0.05)
+    assert jumps.sum() > 0.99 * np.ptp(position[stuck])
+    # before each jump, the force that friction withstands to the last
+    before = stuck[:-1][jumping]
+    force = AREA * (pressure[before] - 150e3) - SPRING * position[before]
+    assert force == pytest.approx(fc + stiction, abs=2.0)
+
+
+def test_a_slip_takes_pressure_out_of_the_chamber():
+    values = {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 400.0}
+    time = rows(60.0)
+    current = current_for(160e3 + 1.5e3 * time)
+    run = simulate(positioner(values), time, current, settled_at(160e3))
+    slips = np.flatnonzero(np.diff(run['valve_position']) > 3e-5)
+    assert len(slips) > 10
+    fallen = run['chamber_pressure'][slips + 1] < run['chamber_pressure'][slips]
+    assert np.mean(fallen) > 0.9
+    sticking = run['stem_velocity'][1:] == 0.0
+    assert np.mean(np.diff(run['chamber_pressure'])[sticking & (time[1:] < 55.0)] > 0.0) > 0.7
+
+
+def test_a_stuck_plant_does_not_creep():
+    plant = Plant(positioner({'actuator.coulomb_friction': 500.0}))
+    plant.reset(200e3, 0.0055, float(current_for(200e3)))
+    plant.advance(float(current_for(200e3)), 5000)
+    seen = plant.outputs()
+    assert (seen.valve_position, seen.stem_velocity) == (0.0055, 0.0)
+
+
+def test_position_dependent_friction_widens_the_loop_along_the_travel():
+    base, gradient = 200.0, 300.0
+    values = {'actuator.coulomb_friction': base, 'actuator.friction_gradient': gradient}
+    loop = pressure_loop(sweep(values), LEVELS) - pressure_loop(sweep(None), LEVELS)
+    assert loop == pytest.approx(2.0 * (base + gradient * LEVELS / TRAVEL) / AREA, rel=0.01)
+
+
+def departure(values: dict[str, object], positions: np.ndarray) -> np.ndarray:
+    """Return the force in N by which opening takes more than declared; there is no loop."""
+    run = sweep(values)
+    assert pressure_loop(run, LEVELS) == pytest.approx(pressure_loop(sweep(None), LEVELS), abs=80.0)
+    return (pressure_at(run, positions) - pressure_at(sweep(None), positions)) * AREA
+
+
+SHARES = np.array([0.02, 0.25, 0.5, 0.75, 0.98])
+
+
+def test_spring_bend_is_largest_in_the_middle_and_nothing_at_the_ends():
+    bow = departure({'actuator.spring_bend': 300.0}, SHARES * TRAVEL)
+    assert bow == pytest.approx(4.0 * 300.0 * SHARES * (1.0 - SHARES), abs=3.0)
+
+
+def test_spring_s_curve_is_odd_about_the_middle():
+    curve = departure({'actuator.spring_s_curve': 200.0}, SHARES * TRAVEL)
+    assert curve[2] == pytest.approx(0.0, abs=3.0)
+    assert curve[1] == pytest.approx(200.0, abs=3.0)
+    assert curve + curve[::-1] == pytest.approx(0.0, abs=5.0)
+
+
+def test_area_change_grows_with_position():
+    change = 0.05
+    run = sweep({'actuator.area_change': change})
+    positions = SHARES * TRAVEL
+    needed = expected_pressure(positions) / (1.0 - change * SHARES)
+    assert pressure_at(run, positions) == pytest.approx(needed, abs=60.0)
+    assert pressure_loop(run, LEVELS) == pytest.approx(pressure_loop(sweep(None), LEVELS), abs=80.0)
+
+
+def test_bench_set_shift_moves_the_line_and_keeps_its_slope():
+    moved = departure({'actuator.bench_set_shift': 6e3}, SHARES * TRAVEL) / AREA
+    assert moved == pytest.approx(6e3, abs=20.0)
+
+
+def test_seat_load_acts_near_the_seat_only():
+    load, depth = 400.0, 2e-3
+    positions = np.array([0.1e-3, 1e-3, 1.9e-3, 2.5e-3, 10e-3])
+    force = departure({'actuator.seat_load': load, 'actuator.seat_depth': depth}, positions)
+    expected = -load * np.maximum(1.0 - positions / depth, 0.0)
+    assert force == pytest.approx(expected, abs=5.0)
+
+
+def test_flow_force_fades_with_travel():
+    size, decay = 300.0, 0.25
+    force = departure(
+        {'actuator.flow_force': size, 'actuator.flow_force_decay': decay}, SHARES * TRAVEL)
+    assert force == pytest.approx(size * np.exp(-SHARES / decay), abs=3.0)
+
+
+def test_a_tabulated_stem_term_is_a_force_over_position_and_zero_outside():
+    values = {
+        'discrepancy.location': 'stem', 'discrepancy.variable': 'valve_position',
+        'discrepancy.low': 0.25 * TRAVEL, 'discrepancy.high': 0.75 * TRAVEL,
+        'discrepancy.values': [-100.0] * 12,
+    }
+    shares = np.array([0.1, 0.3, 0.7, 0.9])
+    assert departure(values, shares * TRAVEL) == pytest.approx([0.0, 100.0, 100.0, 0.0], abs=3.0)
+
+
+def test_a_tabulated_chamber_term_is_a_flow_out():
+    flow = 2e-6
+    values = {
+        'discrepancy.location': 'chamber', 'discrepancy.variable': 'chamber_pressure',
+        'discrepancy.low': 100e3, 'discrepancy.high': 200e3, 'discrepancy.values': [flow] * 12,
+    }
+    run = cut_off(values, 140e3, rows(3.0))
+    fall = np.gradient(run['chamber_pressure'], run['time'])[50]
+    assert fall == pytest.approx(-287.0 * 293.15 * flow / 0.185e-3, rel=0.03)
+
+
+def test_friction_shows_in_the_whole_chain_as_in_the_stem_alone():
+    force = 300.0
+    leg = 120.0
+    runs = [slow_triangle(v, 140e3, 310e3, leg) for v in ({'actuator.coulomb_friction': force}, {})]
+    loops = [
+        loop_width(run['time'], leg, run['valve_position'], run['chamber_pressure'], LEVELS)
+        for run in runs]
+    assert loops[0] - loops[1] == pytest.approx(2.0 * force / AREA, rel=0.05)
