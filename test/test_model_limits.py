@@ -1,0 +1,93 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whatever is allowed as a parameter or a current: no NaN, and pressures stay physical."""
+
+from hypothesis import HealthCheck, given, settings, strategies
+import numpy as np
+from positioner_runs import positioner, rows
+
+from booster_ros.model.simulation import simulate
+
+# Ranges of real devices, much wider than any one of them.
+SIZES = {
+    'ep_converter.time_constant': (0.01, 0.5),
+    'booster.opening_gain': (1e-7, 1e-5),
+    'booster.max_area': (1e-7, 1e-5),
+    'booster.critical_pressure_ratio': (0.1, 0.8),
+    'supply.pressure': (100e3, 700e3),
+    'supply.temperature': (250.0, 340.0),
+    'actuator.effective_area': (0.01, 0.15),
+    'actuator.dead_volume': (5e-5, 2e-3),
+    'actuator.polytropic_index': (1.0, 1.4),
+    'actuator.moving_mass': (0.5, 50.0),
+    'actuator.travel': (0.005, 0.1),
+    'actuator.viscous_friction': (100.0, 30_000.0),
+}
+EFFECTS = {
+    'ep_converter.hysteresis': (0.0, 2e-5),
+    'ep_converter.dead_time': (0.0, 0.5),
+    'booster.intake_preload': (0.0, 0.5),
+    'booster.exhaust_preload': (0.0, 0.5),
+    'booster.exhaust_gain_ratio': (0.3, 3.0),
+    'booster.intake_flow_force': (0.0, 2.0),
+    'booster.opening_exponent': (0.6, 2.0),
+    'booster.knee_softness': (0.0, 1.0),
+    'booster.supply_leak_area': (0.0, 1e-7),
+    'booster.exhaust_leak_area': (0.0, 1e-7),
+    'supply.droop': (0.0, 1e8),
+    'tubing.restriction_area': (5e-7, 1e-5),
+    'tubing.outlet_volume': (1e-5, 1e-4),
+    'actuator.leak_area': (0.0, 1e-6),
+    'actuator.thermal_resistance': (0.01, 100.0),
+    'actuator.area_change': (-0.1, 0.2),
+    'actuator.coulomb_friction': (0.0, 1500.0),
+    'actuator.stiction': (0.0, 800.0),
+    'actuator.stribeck_velocity': (1e-4, 1e-2),
+    'actuator.friction_gradient': (-200.0, 500.0),
+    'actuator.spring_bend': (-300.0, 300.0),
+    'actuator.seat_load': (0.0, 2000.0),
+    'actuator.flow_force': (-500.0, 500.0),
+    'sensors.position_lag': (0.0, 1.0),
+    'sensors.position_backlash': (0.0, 1e-3),
+}
+TIME = rows(8.0)
+
+
+def some(ranges: dict[str, tuple[float, float]]):
+    return strategies.fixed_dictionaries(
+        {}, optional={name: strategies.floats(*bounds) for name, bounds in ranges.items()})
+
+
+@settings(max_examples=60, deadline=None, derandomize=True,
+          suppress_health_check=[HealthCheck.too_slow])
+@given(
+    sizes=some(SIZES),
+    effects=some(EFFECTS),
+    law=strategies.sampled_from(['iso_6358', 'isentropic']),
+    levels=strategies.lists(strategies.floats(0.0, 1.5e-3), min_size=1, max_size=8),
+)
+def test_nothing_leaves_physics(sizes, effects, law, levels):
+    p = positioner({**sizes, **effects, 'booster.orifice_law': law})
+    current = np.array(levels)[(np.arange(len(TIME)) * len(levels)) // len(TIME)]
+    run = simulate(p, TIME, current)
+    for name, column in run.columns.items():
+        assert np.all(np.isfinite(column)), name
+    supply = p.supply.pressure
+    cold = p.actuator.thermal_resistance > 0.0 or p.actuator.polytropic_index > 1.0
+    # a stem that a spring or a flow force moves may pull a slight vacuum, or compress a little
+    slack = 0.6 * supply if cold else 0.05 * supply + 2e3
+    assert run['chamber_pressure'].min() > -101_325.0
+    for name in ('chamber_pressure', 'outlet_pressure'):
+        assert run[name].max() < supply + slack, name
+    assert run['back_pressure'].min() >= -1e-6
+    assert run['back_pressure'].max() <= supply + 1.0
+    assert run['supply_pressure'].min() > 0.0
+    travel = p.actuator.travel
+    assert run['valve_position'].min() > -0.05 * travel
+    assert run['valve_position'].max() < 1.05 * travel
+    assert run['gas_temperature'].min() > 100.0
+    assert run['gas_temperature'].max() < 700.0
+    assert run['intake_area'].min() >= 0.0
+    assert run['intake_area'].max() <= p.booster.max_area * (1.0 + 1e-12)
+    # never both seats at once
+    assert not np.any((run['intake_area'] > 0.0) & (run['exhaust_area'] > 0.0))

@@ -1,0 +1,119 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters: checked one by one and together, with a sentence that names what is wrong."""
+
+import math
+
+import pytest
+
+from booster_ros.model.parameters import (
+    DESCRIPTIONS,
+    ParameterError,
+    from_values,
+    to_values,
+    unknown_name,
+)
+from booster_ros.model.system import PositionerParameters
+
+DECLARED = {
+    'ep_converter.gain': 244.45e3 / 0.4524e-3,
+    'ep_converter.offset': 0.0,
+    'ep_converter.time_constant': 0.034,
+    'booster.s1': 13.52e-6,
+    'booster.s2': 9.28e-6,
+    'booster.s3': 3.14e-6,
+    'booster.opening_gain': 2.75e-6,
+    'booster.max_area': 1.45e-6,
+    'booster.critical_pressure_ratio': 0.5283,
+    'supply.pressure': 400e3,
+    'supply.temperature': 293.15,
+    'actuator.effective_area': 0.0796,
+    'actuator.dead_volume': 0.185e-3,
+    'actuator.polytropic_index': 1.0,
+    'actuator.moving_mass': 4.0,
+    'actuator.bench_set': (150e3, 300e3),
+    'actuator.travel': 0.016,
+    'actuator.viscous_friction': 3000.0,
+}
+
+
+def test_defaults_are_the_declared_positioner():
+    values = to_values(from_values({}))
+    assert {name: values[name] for name in DECLARED} == DECLARED
+
+
+def test_values_and_parameters_are_inverse():
+    changed = {'booster.orifice_law': 'isentropic', 'actuator.bench_set': [1e5, 2e5],
+               'supply.pressure': 500_000, 'discrepancy.values': [0.5] * 12}
+    parameters = from_values(changed)
+    assert from_values(to_values(parameters)) == parameters
+    values = to_values(parameters)
+    assert values['booster.orifice_law'] == 'isentropic'
+    assert values['actuator.bench_set'] == (1e5, 2e5)
+    assert isinstance(values['supply.pressure'], float)
+
+
+@pytest.mark.parametrize('name', DESCRIPTIONS)
+def test_every_parameter_says_what_it_is(name):
+    description = DESCRIPTIONS[name]
+    assert description.unit
+    assert len(description.meaning) > 5
+    assert description.source
+    numbers = description.default
+    if not isinstance(numbers, tuple):
+        numbers = (numbers,)
+    for number in numbers:
+        if not isinstance(number, str):
+            assert description.low <= number <= description.high
+    assert from_values({name: description.default}) == PositionerParameters()
+
+
+@pytest.mark.parametrize('name', [n for n, d in DESCRIPTIONS.items() if not d.choices])
+@pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf, 'many', None, True])
+def test_no_parameter_takes_what_is_no_number(name, value):
+    if isinstance(DESCRIPTIONS[name].default, tuple):
+        value = [value] * len(DESCRIPTIONS[name].default)
+    with pytest.raises(ParameterError, match=name) as caught:
+        from_values({name: value})
+    assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    'name', [n for n, d in DESCRIPTIONS.items() if not d.choices and math.isfinite(d.high)])
+def test_no_parameter_takes_what_is_out_of_its_range(name):
+    description = DESCRIPTIONS[name]
+    for value in (description.low - 1.0, description.high * 2.0 + 1.0):
+        wrong = [value] * 2 if isinstance(description.default, tuple) else value
+        with pytest.raises(ParameterError, match=rf'{name} must be between .* {description.unit}'.
+                           replace('^', r'\^')):
+            from_values({name: wrong})
+
+
+@pytest.mark.parametrize(
+    ('values', 'complaint'),
+    [
+        ({'booster.s1': 5e-6}, r'booster.s1 \(5e-06\) must be greater than booster.s2'),
+        ({'booster.s3': 9.28e-6}, 'booster.s2 .* must be greater than booster.s3'),
+        ({'actuator.bench_set': [300e3, 150e3]}, 'actuator.bench_set must rise'),
+        ({'actuator.bench_set': [150e3, 150e3]}, 'actuator.bench_set must rise'),
+        ({'actuator.bench_set': [150e3]}, 'list of 2 numbers'),
+        ({'actuator.bench_set': 150e3}, 'list of 2 numbers'),
+        ({'actuator.added_volume': -0.2e-3}, 'dead_volume plus actuator.added_volume'),
+        ({'booster.critical_pressure_ratio_shift': -0.6}, 'between 0 and 0.99'),
+        ({'booster.orifice_law': 'linear'}, 'one of iso_6358, isentropic'),
+        ({'discrepancy.low': 2.0, 'discrepancy.high': 1.0}, 'discrepancy.high'),
+        ({'booster.s4': 1.0}, 'no parameter booster.s4'),
+        ({'actuator.benchset': [1.0, 2.0]}, 'did you mean actuator.bench_set'),
+    ],
+)
+def test_contradictions_and_misspelt_names_are_named(values, complaint):
+    with pytest.raises(ParameterError, match=complaint):
+        from_values(values)
+
+
+def test_whole_numbers_are_numbers():
+    assert from_values({'supply.pressure': 400000}) == PositionerParameters()
+
+
+def test_a_name_like_no_other_gets_no_suggestion():
+    assert 'did you mean' not in unknown_name('xyzzy', DESCRIPTIONS)
