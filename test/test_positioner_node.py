@@ -114,6 +114,21 @@ def test_what_cannot_be_used_ends_the_start_with_one_sentence(arguments, sentenc
         assert sum(line.startswith('positioner: ') for line in node.stderr) == 1
 
 
+@pytest.mark.parametrize(('text', 'sentence'), [
+    ('supply:\n  presure: 3e5', 'line 4: there is no parameter supply.presure; did you mean'),
+    ('supply: {pressure: .nan}', 'line 3: supply.pressure must be finite'),
+    ('actuator: {bench_set: [1, 2.0]}', 'line 3: actuator.bench_set mixes types'),
+    ('supply: {pressure: [}', 'line 3: not YAML'),
+])
+def test_what_is_wrong_in_a_file_is_said_with_its_line(tmp_path, text, sentence):
+    path = tmp_path / 'p.yaml'
+    path.write_text('/**:\n  ros__parameters:\n    ' + text.replace('\n', '\n    ') + '\n')
+    with RosProcess(program('positioner', '--ros-args', '--params-file', str(path))) as node:
+        assert node.wait() == 2
+        assert len(node.stderr) == 1
+        assert node.stderr[0].startswith(f'positioner: {path}, {sentence}')
+
+
 def test_a_parameter_file_is_used_and_what_is_in_force_is_logged(tmp_path):
     path = tmp_path / 'p.yaml'
     path.write_text(

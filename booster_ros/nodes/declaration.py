@@ -3,7 +3,6 @@
 """Declare the parameters of the table in a node, and watch over their changes."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from itertools import pairwise
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
@@ -12,6 +11,7 @@ from rclpy.parameter import Parameter
 
 from ..model.parameters import Description, ParameterError
 from ..model.quantity import Quantity
+from ..parameters.file import section_values
 from ..parameters.schema import (
     ALL_DESCRIPTIONS,
     READ_ONLY,
@@ -20,7 +20,7 @@ from ..parameters.schema import (
     check,
     checked,
 )
-from ..parameters.sections import is_for, read_sections
+from ..parameters.sections import files_on, is_for, read_sections
 
 Checked = TypeVar('Checked')
 
@@ -163,9 +163,20 @@ def files_without_section(arguments: Sequence[str], node: str) -> list[tuple[str
     ROS 2 says nothing about a file whose node names match no node.
     """
     found = []
-    for flag, path in pairwise(arguments):
-        if flag == '--params-file':
-            names = [section.node for section in read_sections(path)]
-            if not any(is_for(name, node) for name in names):
-                found.append((path, ', '.join(names)))
+    for path in files_on(arguments):
+        names = [section.node for section in read_sections(path)]
+        if not any(is_for(name, node) for name in names):
+            found.append((path, ', '.join(names)))
     return found
+
+
+def check_files(arguments: Sequence[str], node: str) -> None:
+    """
+    Check what parameter files on a command line hold for a positioner of this full name.
+
+    The node is told values only; here ParameterError can say in which file and line one stands.
+    """
+    for path in files_on(arguments):
+        for section in read_sections(path):
+            if is_for(section.node, node):
+                section_values(path, section)

@@ -4,7 +4,9 @@
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Float64, Header
 
@@ -23,24 +25,36 @@ def stamp_message(nanoseconds: int) -> Time:
     return Time(sec=seconds, nanosec=rest)
 
 
+def quiet_publisher(node: Node, kind: type, topic: str) -> Publisher:
+    """
+    Return a publisher that does not watch for subscriptions whose QoS does not fit.
+
+    Each watch is one more thing that the executor asks about at every tick, and what is reliable
+    and volatile fits all but exotic subscriptions.
+    """
+    return node.create_publisher(
+        kind, topic, QUEUE_DEPTH,
+        event_callbacks=PublisherEventCallbacks(use_default_callbacks=False))
+
+
 class OutputPublishers:
     """
     The publishers of the outputs.
 
-    The messages are made once and filled in anew at each tick. The two contract topics are always
-    published; the others only while somebody listens, since most of the time nobody does.
+    Pressure and position as plain numbers are always published; the other topics only while
+    somebody listens, since most of the time nobody does.
     """
 
     def __init__(self, node: Node) -> None:
         """Create the publishers with reliable, volatile QoS, which any subscription can read."""
-        self._pressure = node.create_publisher(Float64, 'chamber_pressure', QUEUE_DEPTH)
-        self._position = node.create_publisher(Float64, 'valve_position', QUEUE_DEPTH)
-        self._stamped_pressure = node.create_publisher(
-            FluidPressure, 'chamber_pressure_stamped', QUEUE_DEPTH)
-        self._stamped_position = node.create_publisher(
-            JointState, 'valve_position_stamped', QUEUE_DEPTH)
-        self._state = node.create_publisher(DiagnosticArray, '~/state', QUEUE_DEPTH)
         self._frame = node.get_name()
+        self._pressure = quiet_publisher(node, Float64, 'chamber_pressure')
+        self._position = quiet_publisher(node, Float64, 'valve_position')
+        self._heard_only = (
+            (quiet_publisher(node, FluidPressure, 'chamber_pressure_stamped'), self._pressure_of),
+            (quiet_publisher(node, JointState, 'valve_position_stamped'), self._position_of),
+            (quiet_publisher(node, DiagnosticArray, '~/state'), self._state_of),
+        )
         self._values = [KeyValue(key=name) for name in Outputs._fields]
         self._status = DiagnosticStatus(
             level=DiagnosticStatus.OK, name='state', values=self._values,
@@ -48,19 +62,25 @@ class OutputPublishers:
 
     def publish(self, outputs: Outputs, nanoseconds: int) -> None:
         """Publish the outputs of the tick that lies at this time of the node's clock."""
-        pressure = outputs.measured_chamber_pressure
-        position = outputs.measured_valve_position
-        self._pressure.publish(Float64(data=pressure))
-        self._position.publish(Float64(data=position))
-        header = Header(stamp=stamp_message(nanoseconds), frame_id=self._frame)
-        if self._stamped_pressure.get_subscription_count():
-            self._stamped_pressure.publish(
-                FluidPressure(header=header, fluid_pressure=pressure + ATMOSPHERE))
-        if self._stamped_position.get_subscription_count():
-            self._stamped_position.publish(JointState(
-                header=header, name=[JOINT_NAME], position=[position],
-                velocity=[outputs.stem_velocity]))
-        if self._state.get_subscription_count():
-            for entry, value in zip(self._values, outputs, strict=True):
-                entry.value = repr(value)
-            self._state.publish(DiagnosticArray(header=header, status=[self._status]))
+        self._pressure.publish(Float64(data=outputs.measured_chamber_pressure))
+        self._position.publish(Float64(data=outputs.measured_valve_position))
+        for publisher, message in self._heard_only:
+            if publisher.get_subscription_count():
+                publisher.publish(message(outputs, self._header(nanoseconds)))
+
+    def _header(self, nanoseconds: int) -> Header:
+        return Header(stamp=stamp_message(nanoseconds), frame_id=self._frame)
+
+    def _pressure_of(self, outputs: Outputs, header: Header) -> FluidPressure:
+        return FluidPressure(
+            header=header, fluid_pressure=outputs.measured_chamber_pressure + ATMOSPHERE)
+
+    def _position_of(self, outputs: Outputs, header: Header) -> JointState:
+        return JointState(
+            header=header, name=[JOINT_NAME], position=[outputs.measured_valve_position],
+            velocity=[outputs.stem_velocity])
+
+    def _state_of(self, outputs: Outputs, header: Header) -> DiagnosticArray:
+        for entry, value in zip(self._values, outputs, strict=True):
+            entry.value = repr(value)
+        return DiagnosticArray(header=header, status=[self._status])

@@ -21,7 +21,13 @@ from std_srvs.srv import SetBool, Trigger
 from ..model.simulation import Plant
 from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters
 from .command_guard import CommandGuard, CommandRules, Verdict
-from .declaration import ParameterWatch, declare, effective_values, files_without_section
+from .declaration import (
+    ParameterWatch,
+    check_files,
+    declare,
+    effective_values,
+    files_without_section,
+)
 from .diagnostics import (
     ClockState,
     Report,
@@ -32,7 +38,7 @@ from .diagnostics import (
     time_report,
 )
 from .node_time import NodeTime
-from .outputs import OutputPublishers
+from .outputs import OutputPublishers, quiet_publisher
 from .process import run
 from .throttle import Throttle
 from .tick_clock import NANOSECONDS, TickClock, nanoseconds
@@ -43,16 +49,22 @@ CATCH_UP_PIECE = 0.1
 """Simulated seconds that are caught up before other callbacks have their turn."""
 
 DIAGNOSTIC_PERIOD = 1.0
+"""Seconds from one regular report on /diagnostics to the next."""
+
 WARNING_PERIOD = 10.0
+"""Seconds before a warning is given again."""
+
 EVENT_DEPTH = 10
+"""Commands kept until they are handled; the last one counts."""
 
 
 class Positioner(Node):
     """Simulates the positioner on the node's clock; ParameterError for bad parameters."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
-        """Start with the parameters given; `arguments` is the command line, for warnings only."""
+        """Start with the parameters given; `arguments` is the command line, for messages only."""
         super().__init__('positioner', automatically_declare_parameters_from_overrides=True)
+        check_files(arguments, self.get_fully_qualified_name())
         physical, settings = declare(self)
         self._settings = settings
         self._watch = ParameterWatch(self, self._on_parameters)
@@ -71,7 +83,7 @@ class Positioner(Node):
         self._throttle = Throttle(nanoseconds(WARNING_PERIOD))
 
         self._outputs = OutputPublishers(self)
-        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', EVENT_DEPTH)
+        self._diagnostics = quiet_publisher(self, DiagnosticArray, '/diagnostics')
         self._reported: tuple[int, ...] = ()
         self._late_reported = self._bad_reported = 0
         self._clock_reported = -1

@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
 from ..model.parameters import ParameterError
+from ..parameters.sections import files_on, read_sections
 
 DONE = 0
 BAD_INPUT = 2
@@ -38,11 +39,15 @@ def run(
     for number in _END_SIGNALS:
         signal.signal(number, startup.interrupt)
     try:
+        for path in files_on(arguments):
+            read_sections(path)  # what rcl says of a bad file is no sentence
         argparse.ArgumentParser(
             prog=name, description=description, epilog=_EPILOG,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         ).parse_args(remove_ros_args([name, *arguments])[1:])
         rclpy.init(args=[name, *arguments])
+    except ParameterError as error:
+        return _complain(name, str(error))
     except rclpy_implementation.UnknownROSArgsError as error:
         return _complain(name, f'unknown ROS arguments: {error}')
     except rclpy_implementation.RCLError as error:

@@ -14,15 +14,10 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from ..model.parameters import (
-    DESCRIPTIONS,
-    ParameterError,
-    to_values,
-    unknown_name,
-)
+from ..model.parameters import DESCRIPTIONS, ParameterError, to_values
 from ..model.quantity import Quantity
 from ..model.system import PositionerParameters
-from .schema import ALL_DESCRIPTIONS, belongs_to_ros, check, checked
+from .schema import belongs_to_ros, check, checked
 from .sections import ANY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
 
 
@@ -44,13 +39,7 @@ def read_parameter_file(path: str | Path, node: str = 'positioner') -> Parameter
     """
     values: dict[str, Any] = {}
     for section in _sections_for(path, read_sections(path), node):
-        for name, value, line in section.entries:
-            if belongs_to_ros(name):
-                continue
-            try:
-                values[name] = _read_value(name, value)
-            except ParameterError as error:
-                raise ParameterError(f'{path}, line {line}: {error}') from None
+        values |= section_values(path, section)
     try:
         check(values)
     except ParameterError as error:
@@ -61,10 +50,16 @@ def read_parameter_file(path: str | Path, node: str = 'positioner') -> Parameter
         {name: value for name, value in values.items() if name not in DESCRIPTIONS})
 
 
-def _read_value(name: str, value: Any) -> Any:
-    if name not in ALL_DESCRIPTIONS:
-        raise ParameterError(unknown_name(name, ALL_DESCRIPTIONS))
-    return checked(name, value)
+def section_values(path: str | Path, section: Section) -> dict[str, Any]:
+    """Return what a section gives a positioner; ParameterError names file, line and parameter."""
+    values: dict[str, Any] = {}
+    for name, value, line in section.entries:
+        try:
+            if not belongs_to_ros(name):
+                values[name] = checked(name, value)
+        except ParameterError as error:
+            raise ParameterError(f'{path}, line {line}: {error}') from None
+    return values
 
 
 def _sections_for(path: str | Path, sections: list[Section], node: str) -> list[Section]:

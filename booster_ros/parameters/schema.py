@@ -126,8 +126,7 @@ def check(values: Mapping[str, Any]) -> Parameters:
     range, and values that contradict each other.
     """
     for name in values:
-        if name not in ALL_DESCRIPTIONS:
-            raise ParameterError(unknown_name(name, ALL_DESCRIPTIONS))
+        _description(name)
     physical = from_values({n: v for n, v in values.items() if n in DESCRIPTIONS})
     node = _node_settings({n: v for n, v in values.items() if n in NODE_DESCRIPTIONS})
     if (node.initial_state.valve_position or 0.0) > physical.actuator.travel:
@@ -141,9 +140,16 @@ def checked(name: str, value: Any) -> Any:
     """
     Return one value as ROS 2 and a file hold it: float, int, bool, word or tuple of floats.
 
-    Integers are taken where a float is meant. ParameterError where kind or range is wrong.
+    Integers are taken where a float is meant. ParameterError for an unknown name, a wrong kind or
+    range.
     """
-    return checked_as(ALL_DESCRIPTIONS[name], value)
+    return checked_as(_description(name), value)
+
+
+def _description(name: str) -> Description:
+    if name not in ALL_DESCRIPTIONS:
+        raise ParameterError(unknown_name(name, ALL_DESCRIPTIONS))
+    return ALL_DESCRIPTIONS[name]
 
 
 def checked_as(description: Description, value: Any) -> Any:

@@ -7,7 +7,8 @@ A file is read as rcl reads it, which differs from YAML 1.1 in one point that ma
 is a number. Line numbers are kept, so that whoever complains can say where.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 import re
 from typing import Any, NamedTuple
@@ -120,6 +121,11 @@ def _checked(entries: Iterator[Entry]) -> Iterator[Entry]:
                 entry.line, f'{entry.name} is given again, first in line {seen[entry.name]}')
         seen[entry.name] = entry.line
         yield entry
+
+
+def files_on(arguments: Sequence[str]) -> list[str]:
+    """Return the parameter files that the arguments of a ROS 2 program name."""
+    return [path for flag, path in pairwise(arguments) if flag == '--params-file']
 
 
 def is_for(section: str, node: str) -> bool:
