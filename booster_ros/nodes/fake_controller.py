@@ -67,6 +67,7 @@ class FakeController(Node):
         self._played = 0.0
         self._current = 0.0
         self._position = math.nan
+        self._last_sample = 0
 
         self._status = self.create_publisher(
             String, '~/status',
@@ -124,7 +125,7 @@ class FakeController(Node):
         if not missing:
             self.destroy_timer(self._look_out)
             self._enter(PLAYING)
-            self._pace.begin(self)
+            self._pace.begin(self, self._last_sample)
             return
         waited = (self._steady_clock.now() - self._waiting_since).nanoseconds / NANOSECONDS
         if 0.0 < self._settings.wait_timeout < waited:
@@ -147,6 +148,10 @@ class FakeController(Node):
 
     # Playing
 
+    def begin(self, stamp: int) -> None:
+        """Take note that the profile begins at this stamp, ns."""
+        self._recording.start = stamp
+
     def send(self, played: float, stamp: int) -> None:
         """Send the command for so many seconds after the start, at a stamp in ns."""
         self._played = played
@@ -163,14 +168,14 @@ class FakeController(Node):
     def _on_output(self, column: str, value: float, stamp: int) -> None:
         if column == 'valve_position':
             self._position = value
+        self._last_sample = stamp
         if self._phase != PLAYING:
             return
         own_stamp = self._pace.stamp(column, stamp)
-        if own_stamp is not None and own_stamp >= self._pace.start:
+        if own_stamp is not None:
             self._record_output(column, value, own_stamp)
 
     def _record_output(self, column: str, value: float, stamp: int) -> None:
-        self._recording.start = self._pace.start
         try:
             self._recording.received(column, value, stamp)
         except RecordError as error:

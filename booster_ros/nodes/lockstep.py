@@ -38,7 +38,7 @@ class Lockstep:
     """
 
     def __init__(self, node: Node, positioner: str, rate: float) -> None:
-        self.start = 0
+        self._begin = 0
         self._node = node
         self._positioner = positioner
         self._rate = rate
@@ -61,7 +61,7 @@ class Lockstep:
             for client in (self._pause, self._reset, self._step) if not client.service_is_ready()
         ]
 
-    def begin(self, player: Player) -> None:
+    def begin(self, player: Player, last_sample: int) -> None:
         """Play from now on, as a task beside the callbacks of the node."""
         executor = self._node.executor
         assert executor is not None
@@ -72,7 +72,7 @@ class Lockstep:
         """Return the stamp of the tick that an output belongs to, None before the first."""
         if column not in self._samples:
             return None
-        stamp = self.start + self._samples[column] * self._period
+        stamp = self._begin + self._samples[column] * self._period
         self._samples[column] += 1
         if self._arrival is not None and self._has_arrived():
             self._arrival.set_result(None)
@@ -87,12 +87,13 @@ class Lockstep:
     async def _play(self, player: Player) -> None:
         ticks = await self._prepare()
         await self._wait(QUIET)
-        self.start = self._node.get_clock().now().nanoseconds
+        self._begin = self._node.get_clock().now().nanoseconds
+        player.begin(self._begin)
         self._samples = {'chamber_pressure': 0, 'valve_position': 0}
         await self._call(self._reset, Trigger.Request())
         await self._outputs(1)
         for number in range(math.ceil(player.duration * self._rate - 1e-9)):
-            player.send(number / self._rate, self.start + number * ticks * self._period)
+            player.send(number / self._rate, self._begin + number * ticks * self._period)
             await self._call(self._step, Trigger.Request())
             await self._outputs(1 + (number + 1) * ticks)
         if not self._stays_paused:

@@ -10,6 +10,14 @@ from rclpy.node import Node
 from .node_time import NodeTime
 from .tick_clock import NANOSECONDS
 
+PHASE = 0.25
+"""
+Where between two samples of the positioner a command is sent, as a share of the period.
+
+Well after a sample, even if that was late, and well before the next one, so that there is no doubt
+from which sample on it counts; and nearer to the sample before, which is how bags are read.
+"""
+
 
 class Player(Protocol):
     """What is to be played."""
@@ -17,6 +25,9 @@ class Player(Protocol):
     @property
     def duration(self) -> float:
         """Seconds after which the profile is over."""
+
+    def begin(self, stamp: int) -> None:
+        """Take note that the profile begins at this stamp, ns."""
 
     def send(self, played: float, stamp: int) -> None:
         """Send the command for so many seconds after the start, at a stamp in ns."""
@@ -31,17 +42,14 @@ class Player(Protocol):
 class Pace(Protocol):
     """Calls a player when it is time."""
 
-    start: int
-    """Stamp of the beginning, ns."""
-
     def missing(self) -> list[str]:
         """Return what is not there yet of what is needed to play."""
 
-    def begin(self, player: Player) -> None:
-        """Play from now on."""
+    def begin(self, player: Player, last_sample: int) -> None:
+        """Play from now on; the last sample of the positioner had this stamp (ns), 0 if none."""
 
     def stamp(self, column: str, received: int) -> int | None:
-        """Return the stamp of an output that came at `received` (ns), None if it is not ours."""
+        """Return the stamp (ns) of an output that came with one, None if it is not recorded."""
 
 
 class RealTime:
@@ -55,7 +63,7 @@ class RealTime:
     def __init__(
         self, node: Node, time: NodeTime, rate: float, on_jump: Callable[[], None]
     ) -> None:
-        self.start = 0
+        self._begin = 0
         self._node = node
         self._time = time
         self._rate = rate
@@ -67,17 +75,29 @@ class RealTime:
         """Return that simulated time has not begun, if so."""
         return [] if self._time.now() else ['nothing has come on /clock']
 
-    def begin(self, player: Player) -> None:
-        """Play from now on."""
+    def begin(self, player: Player, last_sample: int) -> None:
+        """Play from now on, in step with the samples if they come at the same rate."""
+        period = round(NANOSECONDS / self._rate)
+        now = self._time.now() + self._time.stamp_offset()
+        delay = (last_sample + round(PHASE * period) - now) % period if last_sample else 0
+
+        def start() -> None:
+            self._node.destroy_timer(timer)
+            self._start(player)
+
+        timer = self._node.create_timer(delay / NANOSECONDS, start, clock=self._time.clock)
+
+    def _start(self, player: Player) -> None:
         self._zero = self._last = self._time.now()
-        self.start = self._zero + self._time.stamp_offset()
+        self._begin = self._zero + self._time.stamp_offset()
+        player.begin(self._begin)
         self._node.create_timer(
             1.0 / self._rate, lambda: self._on_timer(player), clock=self._time.clock)
         self._on_timer(player)
 
     def stamp(self, column: str, received: int) -> int | None:
-        """Return the stamp as it is."""
-        return received
+        """Return the stamp as it is, None before the beginning."""
+        return received if 0 < self._begin <= received else None
 
     def _on_timer(self, player: Player) -> None:
         now = self._time.now()

@@ -46,14 +46,13 @@ class Recording:
 
     def sent(self, current: float, stamp: int) -> None:
         """Note a command (A) that was sent at `stamp`, ns."""
-        self._builder.sent(current)
+        self._builder.sent(current, self._seconds(stamp))
         self._write_message('control_current', current, stamp)
 
     def received(self, column: str, value: float, stamp: int) -> None:
         """Note an output of the positioner as it was at `stamp`, ns."""
-        row = self._builder.received(column, value, (stamp - self.start) * _NANOSECONDS)
         self._write_message(column, value, stamp)
-        self._add(row)
+        self._add(self._builder.received(column, value, self._seconds(stamp)))
 
     def close(self) -> None:
         """Complete the files and give them their names."""
@@ -63,7 +62,7 @@ class Recording:
             if self._csv is not None:
                 writers.callback(self._csv.close)
                 writers.callback(self._write_rows)
-            self._add(self._builder.last())
+            self._add(self._builder.rest())
 
     def discard(self) -> None:
         """Remove what was written."""
@@ -71,13 +70,14 @@ class Recording:
             if writer is not None:
                 writer.discard()
 
-    def _add(self, row: Row | None) -> None:
-        if row is None:
-            return
-        self.rows += 1
+    def _seconds(self, stamp: int) -> float:
+        return (stamp - self.start) * _NANOSECONDS
+
+    def _add(self, rows: list[Row]) -> None:
+        self.rows += len(rows)
         if self._csv is None:
             return
-        self._waiting.append(row)
+        self._waiting += rows
         if len(self._waiting) >= _ROWS_AT_ONCE:
             self._write_rows()
 

@@ -3,18 +3,22 @@
 """
 Make rows of a record from what is sent to a positioner and what comes back from it.
 
-A row is one sample of the positioner: its outputs and their time. Its current is the one in force
-when the *next* sample comes, because that is what drove the valve from this sample to the next. A
-row is therefore complete one sample later, and the outputs are as they came: neither late by a tick
-of the controller, nor smoothed by interpolation.
+A row is one sample of the positioner: its outputs and their time. Its current is the last one that
+was sent before the *next* sample, because that is what drove the valve from this sample to the
+next. A row is therefore complete one sample later, and the outputs are as they came: neither late
+by a tick of the controller, nor smoothed by interpolation.
 """
 
+from collections import deque
+from dataclasses import dataclass, field
 from math import inf, nan
 from typing import NamedTuple
 
 OUTPUTS = ('chamber_pressure', 'valve_position')
 
 _PERIOD_WEIGHT = 0.1
+_LONGEST_WAIT = 4
+"""Samples after which a message is taken for lost."""
 
 
 class Row(NamedTuple):
@@ -26,35 +30,63 @@ class Row(NamedTuple):
     valve_position: float
 
 
+@dataclass
+class _Sample:
+    time: float
+    outputs: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def is_complete(self) -> bool:
+        return len(self.outputs) == len(OUTPUTS)
+
+
 class RowBuilder:
-    """Collects commands and outputs in the order in which they were sent and received."""
+    """Collects commands and outputs with their times; each of them comes in order of time."""
 
     def __init__(self) -> None:
+        self._commands: deque[tuple[float, float]] = deque()
         self._current = nan
-        self._time = nan
-        self._outputs: dict[str, float] = {}
+        self._samples: deque[_Sample] = deque()
         self._last_time: dict[str, float] = {}
         self._period = inf
+        self._finished = -inf
 
-    def sent(self, current: float) -> None:
+    def sent(self, current: float, time: float) -> None:
         """Note a command, A."""
-        self._current = current
+        self._commands.append((time, current))
 
-    def received(self, column: str, value: float, time: float) -> Row | None:
-        """
-        Note an output, and return the row that is complete with it, if one is.
-
-        The outputs of one sample come close together. A new sample begins when the same one comes
-        again, or, should one be lost, after more than half a period.
-        """
-        complete = None
+    def received(self, column: str, value: float, time: float) -> list[Row]:
+        """Note an output, and return the rows that are complete now."""
         self._learn_period(column, time)
-        if column in self._outputs or time - self._time > self._period / 2.0:
-            complete = self.last()
-        if not self._outputs:
-            self._time = time
-        self._outputs[column] = value
-        return complete
+        if time > self._finished:
+            self._sample_of(column, time).outputs[column] = value
+        rows = []
+        while len(self._samples) > 1 and (
+            self._samples[0].is_complete or len(self._samples) > _LONGEST_WAIT
+        ):
+            rows.append(self._take_row())
+        return rows
+
+    def rest(self) -> list[Row]:
+        """Return the rows that are still open, as they are now."""
+        return [self._take_row() for _ in range(len(self._samples))]
+
+    def _sample_of(self, column: str, time: float) -> _Sample:
+        """Return the open sample that an output belongs to: less than half a period away."""
+        for sample in self._samples:
+            if column not in sample.outputs and abs(time - sample.time) < self._period / 2.0:
+                return sample
+        self._samples.append(_Sample(time))
+        return self._samples[-1]
+
+    def _take_row(self) -> Row:
+        sample = self._samples.popleft()
+        self._finished = sample.time
+        end = self._samples[0].time if self._samples else inf
+        while self._commands and self._commands[0][0] < end:
+            self._current = self._commands.popleft()[1]
+        pressure, position = (sample.outputs.get(name, nan) for name in OUTPUTS)
+        return Row(sample.time, self._current, pressure, position)
 
     def _learn_period(self, column: str, time: float) -> None:
         elapsed = time - self._last_time.get(column, nan)
@@ -63,11 +95,3 @@ class RowBuilder:
             self._period = elapsed
         elif elapsed > 0.0:
             self._period += _PERIOD_WEIGHT * (elapsed - self._period)
-
-    def last(self) -> Row | None:
-        """Return the row that has been begun, if there is one, as it is now."""
-        if not self._outputs:
-            return None
-        row = Row(self._time, self._current, *(self._outputs.get(name, nan) for name in OUTPUTS))
-        self._outputs = {}
-        return row
