@@ -8,9 +8,9 @@ from pathlib import Path
 
 from ros_process import RosProcess, program
 
+from booster_ros.paper.comparison import comparison
 from booster_ros.paper.indices import StepIndices
 from booster_ros.paper.printed import table_3
-from booster_ros.programs.demo import comparison
 
 
 def test_the_table_shows_the_paper_and_every_step():

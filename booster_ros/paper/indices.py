@@ -42,8 +42,22 @@ def step_indices(time: np.ndarray, pressure: np.ndarray) -> StepIndices:
 
 def rise_time(time: np.ndarray, response: np.ndarray, final: float | None = None) -> float:
     """Return the time in s from 10 % to 90 % of the way to the final value."""
+    start = time_to_reach(time, response, RISE_FROM, final)
+    return time_to_reach(time, response, RISE_TO, final) - start
+
+
+def time_to_reach(
+    time: np.ndarray, response: np.ndarray, share: float, final: float | None = None
+) -> float:
+    """Return the time in s until the response first is this share of the way to the final value."""
     progress = _progress(response, final)
-    return _first_reached(time, progress, RISE_TO) - _first_reached(time, progress, RISE_FROM)
+    reached = np.flatnonzero(progress >= share)
+    if len(reached) == 0:
+        raise ValueError(f'the response does not reach {share:.0%} of its final value')
+    after = int(reached[0])
+    before = after - 1  # progress starts at 0, below any share
+    into = (share - progress[before]) / (progress[after] - progress[before])
+    return float(time[before] + into * (time[after] - time[before]) - time[0])
 
 
 def settling_time(
@@ -90,13 +104,3 @@ def _progress(response: np.ndarray, final: float | None) -> np.ndarray:
         raise ValueError('the response ends where it began, so it has no step indices')
     return np.asarray((response - response[0]) / height)
 
-
-def _first_reached(time: np.ndarray, progress: np.ndarray, level: float) -> float:
-    """Return the first time at which the progress reaches the level."""
-    reached = np.flatnonzero(progress >= level)
-    if len(reached) == 0:
-        raise ValueError(f'the response does not reach {level:.0%} of its final value')
-    after = int(reached[0])
-    before = after - 1  # progress starts at 0, below any level
-    into = (level - progress[before]) / (progress[after] - progress[before])
-    return float(time[before] + into * (time[after] - time[before]))

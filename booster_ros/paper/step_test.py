@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .indices import StepIndices, step_indices
+from .indices import StepIndices, step_indices, time_to_reach
 
 STEP_CURRENT = 0.4524e-3
 """Section IV, A."""
@@ -45,6 +45,10 @@ class StepResponse(NamedTuple):
     def indices(self) -> StepIndices:
         """Return the four figures of Table III."""
         return step_indices(self.time, self.pressure)
+
+    def delay(self) -> float:
+        """Return how long the response takes to go the first hundredth of its way, s."""
+        return time_to_reach(self.time, self.pressure, 0.01)
 
 
 def upward_steps(

@@ -20,25 +20,21 @@ import subprocess
 import sys
 from typing import IO
 
-from ..paper.indices import StepIndices
-from ..paper.printed import PrintedIndex, table_3
+from ..paper.comparison import comparison
+from ..paper.printed import table_3
 from ..paper.step_test import DURATION, DWELL, levels, upward_steps
 from ..paper.step_test_figure import draw_step_test
 from ..records import Record, RecordError, read_record
 from .ros_domain import claim_domain
 
-TICKS_PER_SECOND = 500
-"""A command waits for the next tick: at the default 100 Hz up to 1.9 % of the ISE."""
+TICKS_PER_SECOND = 200
+"""A command waits for the next tick: at the default 100 Hz that is up to 1.9 % of the ISE."""
+
+LONGEST_DELAY = 0.1
+"""A response that begins later than this was held up on its way: it takes 0.06 s, s."""
 
 PATIENCE = 10.0
 """How long a process may take to end when it is told to, s."""
-
-LABELS = {
-    'final_pressure': 'final pressure',
-    'rise_time_10_90': 'rise time, 10 to 90 %',
-    'settling_time_5_percent': 'settling time, 5 %',
-    'integral_square_error': 'integral square error',
-}
 
 
 class DemoError(Exception):
@@ -143,25 +139,14 @@ def report(record: Record, plot: Path) -> None:
     )
     print()
     print(comparison([response.indices() for response in responses], table_3()))
+    late = [response.delay() for response in responses if response.delay() > LONGEST_DELAY]
+    if late:
+        print(
+            f'\nThis machine was busy: a response began {max(late):.2f} s after its command, not '
+            '0.06 s, which adds to settling time and integral square error.'
+        )
     draw_step_test(record, responses, plot)
     print(f'\nPlot: {plot}\nRecord: {record.source}')
-
-
-def comparison(played: Sequence[StepIndices], printed: Mapping[str, PrintedIndex]) -> str:
-    """Return Table III with a column for each played step, and how far the mean is off."""
-    steps = ''.join(f'{f"step {number}":>10}' for number in range(1, len(played) + 1))
-    lines = [
-        f'{"Table III":32}{"the paper":>20}{"booster_ros":>{10 * len(played)}}',
-        f'{"":32}{"measured":>10}{"simulated":>10}{steps}{"to simulated":>14}',
-    ]
-    for name, label in LABELS.items():
-        row = printed[name]
-        values = [getattr(indices, name) for indices in played]
-        digits = 0 if row.simulated > 1e3 else 2 if row.simulated < 100 else 1
-        cells = ''.join(f'{value:10.{digits}f}' for value in [row.measured, row.simulated, *values])
-        off = sum(values) / len(values) / row.simulated - 1.0
-        lines.append(f'{label:24}{row.unit:8}{cells}{off:+14.2%}')
-    return '\n'.join(lines)
 
 
 if __name__ == '__main__':
