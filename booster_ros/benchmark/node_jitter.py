@@ -26,9 +26,9 @@ from std_msgs.msg import Float64
 from ..programs.ros_domain import claim_domain
 
 RATES = (100.0, 1000.0)
-ROUNDS = 5
+ROUNDS = 3
 SETTLING = 1.0
-MEASURED = 5.0
+MEASURED = 4.0
 CURRENT = 0.4524e-3
 
 COMMANDS = {
