@@ -4,17 +4,28 @@
 
 from pathlib import Path
 
+from booster_ros.control import settings as fake_controller
 from booster_ros.model.system import OUTPUT_UNITS
 from booster_ros.parameters.schema import ALL_DESCRIPTIONS, check, checked
 from booster_ros.parameters.table import parameter_table
 
-DOCUMENT = (Path(__file__).parent.parent / 'docs' / 'node.md').read_text(encoding='utf-8')
+DOCUMENTS = Path(__file__).parent.parent / 'docs'
+DOCUMENT = (DOCUMENTS / 'node.md').read_text(encoding='utf-8')
+
+
+def documented_table(document: str, arguments: str) -> str:
+    begin = f'<!-- made by: python -m booster_ros.parameters.table{arguments} -->\n'
+    return document.partition(begin)[2].partition('<!-- end -->')[0]
 
 
 def test_the_documented_table_is_up_to_date():
-    begin = '<!-- made by: python -m booster_ros.parameters.table -->\n'
-    documented = DOCUMENT.partition(begin)[2].partition('<!-- end -->')[0]
-    assert documented == parameter_table()
+    assert documented_table(DOCUMENT, '') == parameter_table()
+
+
+def test_the_documented_table_of_the_fake_controller_is_up_to_date():
+    document = (DOCUMENTS / 'fake_controller.md').read_text(encoding='utf-8')
+    table = parameter_table(fake_controller.DESCRIPTIONS, ())
+    assert documented_table(document, ' fake_controller') == table
 
 
 def test_every_output_is_documented():

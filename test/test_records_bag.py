@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from booster_ros.records import RecordError, read_record
@@ -63,8 +63,13 @@ def state(topic: str, stamp: int, **values: float) -> Message:
     return topic, name, stamp, kind(name)(header=header(stamp), status=[status])
 
 
-def write_bag(path: Path, messages: Iterable[Message], storage: str = 'mcap') -> Path:
-    with Writer(path, version=9, storage_plugin=STORAGE[storage]) as writer:
+def write_bag(
+    path: Path, messages: Iterable[Message], storage: str = 'mcap', compressed: bool = False
+) -> Path:
+    writer = Writer(path, version=9, storage_plugin=STORAGE[storage])
+    if compressed:
+        writer.set_compression(CompressionMode.MESSAGE, CompressionFormat.ZSTD)
+    with writer:
         connections = {}
         for topic, name, stamp, message in messages:
             if topic not in connections:
@@ -116,6 +121,13 @@ def test_the_file_in_a_bag_reads_as_the_bag(tmp_path, storage):
     bag = write_bag(tmp_path / 'record', plain_messages(), storage)
     (file,) = (path for path in bag.iterdir() if path.suffix in ('.mcap', '.db3'))
     np.testing.assert_array_equal(read_record(file)['time'], read_record(bag)['time'])
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_compressed_bag_reads_the_same(tmp_path, storage):
+    plain = read_record(write_bag(tmp_path / 'plain', plain_messages(), storage))
+    record = read_record(write_bag(tmp_path / 'zstd', plain_messages(), storage, compressed=True))
+    np.testing.assert_array_equal(record['chamber_pressure'], plain['chamber_pressure'])
 
 
 def test_a_command_counts_for_the_row_that_it_covers_for_longer(tmp_path):
