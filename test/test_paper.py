@@ -31,7 +31,7 @@ def test_table_3_comes_out():
 
 
 def test_literal_constants_miss_table_1_where_they_must():
-    """Flow begins 0.37 N too early, and rises too slowly; the figure was computed apart from this."""
+    """Flow begins 0.37 N too early and rises too slowly; 3.28 was computed apart from this."""
     misfit = flow_bench.misfit(Booster(), TABLE)
     assert flow_bench.rms(misfit) == pytest.approx(3.28, rel=0.02)
     for series in TABLE:
