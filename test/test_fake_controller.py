@@ -111,15 +111,15 @@ def test_an_interrupted_recording_is_complete_and_said_to_be_partial(tmp_path, p
     csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
     with controller(dwell=100.0, record_csv=csv, record_bag=bag) as node:
         node.wait_for('playing')
-        time.sleep(0.3)
+        time.sleep(0.5)
         assert not csv.exists()
         node.send(first)
         time.sleep(0.003)
         assert node.interrupt() == 0, node.output
         assert 'partial' in node.output
         assert 'Traceback' not in node.output
-    assert 10 < len(read_record(csv)) < 1000
-    assert len(read_record(bag)) > 10
+    assert 2 < len(read_record(csv)) < 1000
+    assert len(read_record(bag)) > 2
     assert sorted(path.name for path in tmp_path.iterdir()) == ['record', 'record.csv']
 
 

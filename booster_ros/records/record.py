@@ -35,10 +35,10 @@ class Column:
 COLUMNS: Mapping[str, Column] = {
     'time': Column('s', 'time', 1e10, 'milliseconds or nanoseconds'),
     'control_current': Column('A', 'current into the E/P converter', 0.1, 'mA'),
-    'back_pressure': Column('Pa', 'gauge pressure behind the nozzle', 5e6, 'mbar or absolute mPa'),
-    'supply_pressure': Column('Pa', 'gauge pressure of the supply', 5e6, 'mbar or absolute mPa'),
-    'mass_flow': Column('kg/s', 'flow into the actuator chamber', 1.0, 'g/s or l/min'),
-    'chamber_pressure': Column('Pa', 'gauge pressure in the actuator', 5e6, 'mbar or absolute mPa'),
+    'back_pressure': Column('Pa', 'gauge pressure behind the nozzle', 5e6, 'raw counts'),
+    'supply_pressure': Column('Pa', 'gauge pressure of the supply', 5e6, 'raw counts'),
+    'mass_flow': Column('kg/s', 'flow into the actuator chamber', 1.0, 'g/s, kg/h or l/min'),
+    'chamber_pressure': Column('Pa', 'gauge pressure in the actuator', 5e6, 'raw counts'),
     'valve_position': Column('m', 'stem travel from closed', 0.5, 'mm, % or a fraction of travel'),
 }
 """The columns of a record, most upstream first after `time`."""
