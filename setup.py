@@ -11,7 +11,7 @@ setup(
     name=package_name,
     version='0.1.0',
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={package_name: ['py.typed', 'paper/data/*.csv']},
+    package_data={package_name: ['py.typed', 'paper/data/*.csv', 'report/page.html']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
         ('share/' + package_name, ['package.xml']),
@@ -31,6 +31,7 @@ setup(
             'positioner = booster_ros.nodes.positioner:main',
             'fake_controller = booster_ros.nodes.fake_controller:main',
             'simulate = booster_ros.programs.simulate:main',
+            'close_loop = booster_ros.programs.close_loop:main',
             'paper = booster_ros.programs.paper:main',
             'demo = booster_ros.programs.demo:main',
         ],

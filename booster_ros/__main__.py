@@ -15,6 +15,10 @@ PROGRAMS = {
         'a node that plays a current profile or closes the position loop, and can record',
     ),
     'simulate': ('booster_ros.programs.simulate', 'run the model over a table of currents'),
+    'close_loop': (
+        'booster_ros.programs.close_loop',
+        'say what the model lacks, judged by a record, and write the model that has it',
+    ),
     'paper': ('booster_ros.programs.paper', "reproduce the paper's tables and identification"),
     'demo': (
         'booster_ros.programs.demo',

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""From a record to an experiment: who drives, who is compared, which rows count, where it starts."""
+"""From a record to an experiment: who drives, who is compared, which rows count, the start."""
 
 import numpy as np
 import pytest

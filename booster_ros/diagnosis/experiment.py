@@ -11,6 +11,9 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
+FINE = 0.1
+"""Multiplies the solver's tolerance: differences between neighbouring simulations count."""
+
 STATE_CHANNELS = ('back_pressure', 'supply_pressure', 'chamber_pressure')
 """Channels that are states of the model, so that a measured one can drive what is downstream."""
 
@@ -61,6 +64,12 @@ class Experiment:
         """The compared channels."""
         return tuple(self.measured)
 
+    @property
+    def drives(self) -> tuple[str, ...]:
+        """The channels that drive the model; none where the chamber is isolated."""
+        commanded = ('control_current',) if np.any(self.current) else ()
+        return (*commanded, *self.pinned)
+
     def simulate(self, parameters: PositionerParameters, initial: Initial | None = None
                  ) -> Simulation:
         """Run the model over this experiment."""
@@ -71,7 +80,7 @@ class Experiment:
         if start.valve_position is not None and 'valve_position' not in self.pinned:
             state['valve_position'] = start.valve_position
         return simulate(
-            parameters, self.time, self.current, state, self.pinned,
+            parameters, self.time, self.current, state, self.pinned, FINE,
             back_pressure_departure=start.back_pressure_departure)
 
     def predict(self, parameters: PositionerParameters, initial: Initial | None = None

@@ -1,0 +1,152 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Say what a model lacks, judged by a record, and write the model that has it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+import os
+from pathlib import Path
+import sys
+import tempfile
+
+from tqdm import tqdm
+
+from ..diagnosis.diagnose import diagnose
+from ..diagnosis.experiment import Experiment
+from ..diagnosis.preparation import prepare
+from ..diagnosis.result import Diagnosis
+from ..diagnosis.validation import validated
+from ..model.parameters import ParameterError, from_values
+from ..model.system import PositionerParameters
+from ..parameters.file import read_parameter_file
+from ..records import COLUMNS, RecordError, read_record
+from ..report.html_report import html_page
+from ..report.json_report import json_text
+from ..report.parameter_files import write_parameter_files
+from ..report.provenance import Provenance
+from ..report.wording import verdict_sentences, verdict_title
+from .compiling import announce_compilation
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Diagnose a record and write the report; return the exit status."""
+    options = _parser().parse_args(args)
+    try:
+        declared = from_values(read_parameter_file(options.params).physical)
+        experiment, notes = _read(options, options.record, declared)
+        validation = options.validation and _read(options, options.validation, declared)[0]
+        with _output_folder(options.out) as folder:
+            announce_compilation()
+            diagnosis = _diagnose(experiment, declared, notes, validation)
+            _write(folder, diagnosis, Provenance(
+                str(options.record), str(options.params), str(options.validation or '')))
+    except (ParameterError, RecordError) as error:
+        print(f'close_loop: {error}', file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f'close_loop: {error.filename or options.out}: {error.strerror}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print('close_loop: interrupted, nothing was written', file=sys.stderr)
+        return 130
+    print(f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis), sep='\n  ')
+    print(f'Report: {options.out / "report.html"}')
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='close_loop',
+        description='Compare the model with a record of a valve, say which effect it lacks, and '
+        'write the model that has it.',
+        epilog=f'R is a CSV file with any of the columns {", ".join(COLUMNS)} (SI units, gauge '
+        'pressures), or a rosbag2 bag. The most upstream channels drive the model, the others are '
+        'compared. DIR gets report.html, report.json, positioner.yaml (the model with what it '
+        'lacked) and positioner_before.yaml (the declared model refitted).',
+    )
+    add = parser.add_argument
+    add('--record', type=Path, required=True, metavar='R', help='the record to explain')
+    add('--params', type=Path, required=True, metavar='P.yaml', help='the declared parameters')
+    add('--out', type=Path, required=True, metavar='DIR', help='folder for what is written')
+    add('--validation', type=Path, metavar='V', help='another record, for judging only')
+    add('--topics', nargs='+', type=_topic, default=[], metavar='COLUMN=TOPIC',
+        help='topics of a bag that do not go by the names of the columns; TOPIC:NAME picks an '
+        'element of a JointState')
+    add('--stamps', choices=('bag', 'header'), default='bag',
+        help='time of a bag: when it was recorded, or the stamps in the messages '
+        '(default: %(default)s)')
+    add('--dwell', type=_seconds, metavar='S',
+        help='how long each row of a sweep without time stood, s')
+    return parser
+
+
+def _topic(text: str) -> tuple[str, str]:
+    column, _, topic = text.partition('=')
+    if not topic:
+        raise argparse.ArgumentTypeError(f'{text!r} is not COLUMN=TOPIC')
+    return column, topic
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not 0.0 < seconds < float('inf'):
+        raise argparse.ArgumentTypeError(f'{text!r} is not a time in seconds')
+    return seconds
+
+
+def _read(
+    options: argparse.Namespace, path: Path, declared: PositionerParameters
+) -> tuple[Experiment, tuple[str, ...]]:
+    record = read_record(path, dict(options.topics), options.stamps)
+    experiment = prepare(record, declared, options.dwell)
+    return experiment, (*record.notes, *experiment.notes)
+
+
+def _diagnose(
+    experiment: Experiment, declared: PositionerParameters, notes: tuple[str, ...],
+    validation: Experiment | None,
+) -> Diagnosis:
+    with _progress() as tell:
+        diagnosis = diagnose(experiment, declared, tell, notes)
+        return validated(diagnosis, validation) if validation else diagnosis
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str, float], None]]:
+    """Yield what takes a phrase and the share done to a bar, silent where nobody looks."""
+    form = '{percentage:3.0f}% |{bar}| {elapsed} {desc}'
+    with tqdm(total=1.0, bar_format=form, disable=None, leave=False) as bar:
+        def tell(phrase: str, share: float) -> None:
+            bar.set_description_str(phrase, refresh=False)
+            bar.update(max(share - bar.n, 0.0))
+
+        yield tell
+
+
+@contextmanager
+def _output_folder(out: Path) -> Iterator[Path]:
+    """Yield a temporary folder whose files are moved to `out` when everything is written."""
+    if out.exists() and not out.is_dir():
+        raise RecordError(f'{out}: is not a folder')
+    nearest = next(folder for folder in (out, *out.absolute().parents) if folder.is_dir())
+    with tempfile.TemporaryDirectory(prefix='.close_loop.', dir=nearest) as temporary:
+        yield Path(temporary)
+        out.mkdir(parents=True, exist_ok=True)
+        for file in Path(temporary).iterdir():
+            os.replace(file, out / file.name)
+
+
+def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance) -> None:
+    (folder / 'report.json').write_text(json_text(diagnosis, provenance), encoding='utf-8')
+    (folder / 'report.html').write_text(html_page(diagnosis, provenance), encoding='utf-8')
+    write_parameter_files(folder, diagnosis, provenance)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,268 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""`report.html`: one self-contained page that a plant engineer understands in a minute."""
+
+from html import escape
+from importlib.resources import files
+import math
+from pathlib import PurePath
+from string import Template
+
+import numpy as np
+
+from booster_ros.diagnosis.result import ChannelError, Diagnosis, FoundEffect
+from booster_ros.report import figures
+from booster_ros.report.engineering import number, scale_of, si_text
+from booster_ros.report.explanation import best_explanation, explained_share
+from booster_ros.report.figure_style import ROLE_SHADES, styled, svg
+from booster_ros.report.markup import bullets, figure, paragraph, section
+from booster_ros.report.provenance import Provenance
+from booster_ros.report.tables import (
+    MOST_SUSPECTS, declared_table, effect_table, error_table, suspect_table)
+from booster_ros.report.view import VARIABLES, View
+from booster_ros.report.wording import (
+    SCALING, channel_label, effect_label, listing, place_label, verdict_sentences, verdict_title)
+
+_ROLES = {
+    'fit': 'fitted', 'select': 'chose between models',
+    'test': 'locked: opened once, for the held-out error'}
+
+
+def html_page(diagnosis: Diagnosis, provenance: Provenance) -> str:
+    """Return the page as HTML text."""
+    view = View(diagnosis)
+    page = Template((files(__package__) / 'page.html').read_text(encoding='utf-8'))
+    with styled():
+        sections = [
+            _errors(view), _curves(view), _residuals(view), _signature(view), _unknown(view),
+            _effects(diagnosis), _undecided(diagnosis), _suspects(diagnosis), _declared(view),
+            _record(view, provenance)]
+    validation = f', judged on {provenance.validation}' if provenance.validation else ''
+    headline = verdict_title(diagnosis)
+    return page.substitute(
+        title=escape(f'{PurePath(provenance.record).name}: {headline}'),
+        source=escape(f'{provenance.record} explained by {provenance.parameters}{validation}'),
+        verdict=diagnosis.verdict,
+        headline=escape(headline),
+        sentences='\n'.join(paragraph(text) for text in verdict_sentences(diagnosis)),
+        sections='\n'.join(filter(None, sections)),
+        footer='Made by booster_ros close_loop. Pressures are gauge pressures. The same numbers '
+        'in SI units: <code>report.json</code>. Models for the node: <code>positioner.yaml</code>, '
+        '<code>positioner_before.yaml</code>.')
+
+
+def _stages(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return the models whose errors are shown, and words for them."""
+    stages = {'declared': 'as declared', 'before': 'refitted'}
+    if diagnosis.verdict == 'effect':
+        stages['after'] = 'with the effect'
+    elif diagnosis.verdict == 'unknown':
+        stages['after'] = 'with the unnamed term'
+    return stages
+
+
+def _errors(view: View) -> str:
+    diagnosis = view.diagnosis
+    parts = {
+        'held out: no step has seen these data': _scored(diagnosis.held_out),
+        'validation record': _scored(diagnosis.validation),
+        'data used for the analysis': _scored(diagnosis.error),
+    }
+    parts = {words: errors for words, errors in parts.items() if errors}
+    short = {'held out: no step has seen these data': 'held out', 'validation record': 'validation',
+             'data used for the analysis': 'used data'}
+    rows = [(f'{channel_label(name)}\n{short[words]}', error)
+            for words, errors in parts.items() for name, error in errors.items()]
+    stages = _stages(diagnosis)
+    drawing = svg(figures.error_ladder(rows, stages), 'errors') if rows else ''
+    return section(
+        'How far off, before and after',
+        figure(drawing, 'Errors of each model as multiples of the noise') if drawing else '',
+        error_table(parts, stages))
+
+
+def _scored(errors: dict[str, ChannelError]) -> dict[str, ChannelError]:
+    return {name: error for name, error in errors.items() if math.isfinite(error.before)}
+
+
+def _curves(view: View) -> str:
+    if view.diagnosis.experiment.quasi_static:
+        return section(
+            'Measured and model',
+            paragraph('A sweep without time: each row stood until everything had settled. '
+                      'Open points were held out.', 'hint'),
+            figure(svg(figures.sweep(view), 'sweep'), 'Sweep, measured and by both models'))
+    keys = ''.join(
+        f'<span><i class="key" style="background:{shade}"></i>{_ROLES[role]}</span>'
+        for role, shade in ROLE_SHADES.items())
+    return section(
+        'Measured and model',
+        f'<p class="hint keys">Strip on top: {keys}</p>',
+        figure(svg(figures.measured_and_models(view), 'curves'),
+               'Measured signals and both models over time'))
+
+
+def _residuals(view: View) -> str:
+    variables = {}
+    sentences = []
+    worse, better = view.stages
+    for name in view.channels:
+        variable = _explaining(view, name)
+        if variable is None:
+            continue
+        variables[name] = variable
+        before, after = (100.0 * explained_share(view.residual(stage, name), view.states[variable])
+                         for stage in (worse, better))
+        sentences.append(
+            f'of the {channel_label(name)} residual the {channel_label(variable)} explains '
+            f'{number(before, 2)} % of the variance before and {number(after, 2)} % after')
+    content = []
+    if not view.diagnosis.experiment.quasi_static:
+        content.append(figure(svg(figures.residuals_over_time(view), 'residuals'),
+                              'Residuals of both models over time'))
+    if variables:
+        content += [
+            '<h3>Against the variable that explains it best</h3>',
+            paragraph(f'{_capital("; ".join(sentences))}. The line is the mean of the points.',
+                      'hint'),
+            figure(svg(figures.residuals_over_variable(view, variables), 'explained'),
+                   'Residuals of both models over the variable that explains them best')]
+    return section('What the model misses', *content) if content else ''
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _explaining(view: View, name: str) -> str | None:
+    """Return the unnamed term's variable, or the one over which the residual is clearest."""
+    unknown = view.diagnosis.unknown
+    if unknown is not None and unknown.variable in VARIABLES:
+        return unknown.variable
+    states = {variable: view.states[variable] for variable in VARIABLES}
+    found = best_explanation(view.residual(view.stages[0], name), states)
+    return found.variable if found else None
+
+
+def _signature(view: View) -> str:
+    if not figures.has_signature(view) or view.diagnosis.experiment.quasi_static:
+        return ''
+    return section(
+        'Valve signature',
+        paragraph('Position over chamber pressure. Two parallel lines are friction, their distance '
+                  'in pressure times the diaphragm area twice its force.', 'hint'),
+        figure(svg(figures.valve_signature(view), 'signature'),
+               'Position over pressure, measured and by both models'))
+
+
+def _unknown(view: View) -> str:
+    term = view.diagnosis.unknown
+    if term is None:
+        return ''
+    over, size = scale_of(term.variable_unit), scale_of(term.unit)
+    first, last = float(term.knots[0]), float(term.knots[-1])
+    return section(
+        'The term without a name',
+        paragraph(
+            f'Added in {place_label(term.location)}, in {size.unit}, as a function of the '
+            f'{channel_label(term.variable)} from {over.text(first)} to {over.text(last)} '
+            f'({si_text(first, term.variable_unit)} to {si_text(last, term.variable_unit)}); zero '
+            'outside. Below it: how many rows of the record were where. Where there are few, the '
+            'table says little.'),
+        figure(svg(figures.unknown_term(view, term), 'unknown'), 'The table of the unnamed term'))
+
+
+def _effects(diagnosis: Diagnosis) -> str:
+    named = [effect for effect in diagnosis.effects if effect.parameters]
+    if not named:
+        return ''
+    content = []
+    for effect in named:
+        content += [
+            f'<h3>{escape(effect_label(effect.name))}, in '
+            f'{escape(place_label(effect.location))}</h3>',
+            effect_table(effect), _evidence(effect)]
+    return section('What was added', *content, paragraph(SCALING, 'hint'))
+
+
+def _evidence(effect: FoundEffect) -> str:
+    facts = effect.evidence
+    if not {'misfit_without', 'misfit_with'} <= facts.keys():
+        return ''
+    text = (f'Without it the mean squared error on the data that chose between models is '
+            f'{number(facts["misfit_without"])} times that of the noise, with it '
+            f'{number(facts["misfit_with"])} times.')
+    error = facts.get('score_fall_standard_error', 0.0)
+    if error > 0.0:
+        text += f' The fall is {number(facts["score_fall"] / error, 2)} standard errors.'
+    return paragraph(text)
+
+
+def _undecided(diagnosis: Diagnosis) -> str:
+    items = []
+    for effect in diagnosis.effects:
+        rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
+        if effect.confused_with:
+            items.append(f'{effect_label(effect.name).capitalize()} or {rivals}? This record '
+                         f'cannot decide. It would take: {effect.separating_experiment}.')
+        elif effect.name == 'unknown':
+            items.append(f'To find its cause: {effect.separating_experiment}.')
+        else:
+            items.append(f'{effect_label(effect.name).capitalize()}: no other effect explains the '
+                         'record as well. An experiment that would confirm it: '
+                         f'{effect.separating_experiment}.')
+    return section('What it may be instead, and how to find out', bullets(items)) if items else ''
+
+
+def _suspects(diagnosis: Diagnosis) -> str:
+    hidden = len(diagnosis.suspects) - MOST_SUSPECTS
+    return section(
+        'Suspects, best first',
+        paragraph('Misfit: mean squared error on data that were not fitted, in units of the '
+                  'noise: 1 is as good as can be. Bars are logarithmic.', 'hint'),
+        suspect_table(diagnosis),
+        paragraph(f'{hidden} more are in report.json.', 'hint') if hidden > 0 else '')
+
+
+def _declared(view: View) -> str:
+    diagnosis = view.diagnosis
+    stages = {stage: words for stage, words in _stages(diagnosis).items() if stage != 'declared'}
+    return section(
+        'The declared parameters',
+        paragraph('A parameter that is a little off is not a missing effect, so all were refitted '
+                  'first. σ is the tolerance within which each was expected.', 'hint'),
+        declared_table(diagnosis.refitted, stages), paragraph(SCALING, 'hint'))
+
+
+def _record(view: View, provenance: Provenance) -> str:
+    experiment, diagnosis = view.diagnosis.experiment, view.diagnosis
+    drives = listing([channel_label(name) for name in experiment.drives]) or 'nothing'
+    compared = listing([channel_label(name) for name in experiment.channels])
+    noise = listing([f'{scale_of(diagnosis.error[name].unit).text(level, 2)} in '
+                     f'{channel_label(name)}' for name, level in experiment.noise.items()])
+    rows = len(experiment.time)
+    span = float(experiment.time[-1] - experiment.time[0])
+    length = f'{rows} rows of a sweep without time' if experiment.quasi_static else (
+        f'{rows} rows over {number(span)} s, one every {number(_period(experiment.time))} s')
+    facts = [
+        f'{provenance.record}: {length}.',
+        f'Driven by the measured {drives}; compared: {compared}.',
+        f'Noise, from the record alone: {noise}.',
+        _split(view),
+    ]
+    notes = diagnosis.notes or ('Nothing was dropped or mended.',)
+    return section('The record', bullets(facts),
+                   '<h3>What was dropped, mended or assumed</h3>', bullets(notes))
+
+
+def _period(time: np.ndarray) -> float:
+    return float(np.median(np.diff(time)))
+
+
+def _split(view: View) -> str:
+    counts = []
+    for role, words in _ROLES.items():
+        parts = [s for s in view.diagnosis.segments if s.role == role]
+        rows = sum(s.last - s.first for s in parts)
+        counts.append(f'{len(parts)} segments ({rows} rows) {words}')
+    return f'Split by whole segments: {"; ".join(counts)}.'

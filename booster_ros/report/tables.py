@@ -1,0 +1,100 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of the report page."""
+
+from collections.abc import Mapping
+import math
+
+from booster_ros.diagnosis.result import (
+    ChannelError, Diagnosis, FoundEffect, Refitted, Suspect)
+from booster_ros.model.parameters import DESCRIPTIONS
+from booster_ros.report.engineering import number, scale_of, si_text
+from booster_ros.report.markup import cell, number_cell, row, table
+from booster_ros.report.wording import channel_label, effect_label
+
+MOST_SUSPECTS = 12
+
+
+def error_table(
+    parts: Mapping[str, Mapping[str, ChannelError]], stages: Mapping[str, str]
+) -> str:
+    """
+    Return errors by part of the data and channel.
+
+    `parts` maps words for a part ('held out') to its errors, `stages` the fields of ChannelError
+    that are shown to words for them.
+    """
+    rows = []
+    for part, errors in parts.items():
+        rows.append(f'<tr class="group"><td colspan="{len(stages) + 2}">{part}</td></tr>')
+        for name, error in errors.items():
+            cells = [cell(channel_label(name))]
+            for stage in (*stages, 'noise'):
+                value = getattr(error, stage)
+                ratio = value / error.noise
+                times = '' if stage == 'noise' or not math.isfinite(ratio) else (
+                    f'{number(ratio, 2 if ratio < 10 else 3)} × noise')
+                cells.append(number_cell(scale_of(error.unit).text(value), times))
+            rows.append(row(cells))
+    return table(['root mean square error', *stages.values(), 'noise'], rows)
+
+
+def effect_table(effect: FoundEffect) -> str:
+    """Return the parameters of an effect with their intervals."""
+    rows = []
+    for name, interval in effect.parameters.items():
+        description = DESCRIPTIONS.get(name)
+        meaning = description.meaning.split(': ', 1)[-1] if description else ''
+        scale = scale_of(interval.unit)
+        factor = scale.factor
+        rows.append(row([
+            f'<td><code>{name}</code><small>{meaning}</small></td>',
+            number_cell(scale.text(interval.value), si_text(interval.value, interval.unit)),
+            number_cell(f'{number(interval.low * factor)} to {scale.text(interval.high)}',
+                        f'{number(interval.low)} to {si_text(interval.high, interval.unit)}'),
+        ]))
+    return table(['parameter', 'value', '95 % interval'], rows)
+
+
+def suspect_table(diagnosis: Diagnosis) -> str:
+    """Return the models that were tried, best first, with the reason each was dropped."""
+    suspects = diagnosis.suspects[:MOST_SUSPECTS]
+    largest = max((s.misfit for s in suspects if math.isfinite(s.misfit)), default=1.0)
+    chosen = tuple(effect.name for effect in diagnosis.effects)
+    rows = [_suspect_row(s, largest, s.effects == chosen or s.reason.startswith('chosen'))
+            for s in suspects]
+    return table(['model', 'misfit', '', 'why'], rows, 9)
+
+
+def _suspect_row(suspect: Suspect, largest: float, chosen: bool) -> str:
+    words = ' + '.join(effect_label(name) for name in suspect.effects) or 'declared model, refitted'
+    return row([
+        cell(words), number_cell(number(suspect.misfit)),
+        f'<td>{_bar(suspect.misfit, largest, chosen)}</td>', cell(suspect.reason),
+    ], 'chosen' if chosen else '')
+
+
+def _bar(misfit: float, largest: float, chosen: bool) -> str:
+    """Return a bar on a logarithmic scale, empty at the noise."""
+    if not math.isfinite(misfit):
+        return ''
+    share = math.log(max(misfit, 1.0)) / math.log(max(largest, 1.1))
+    colour = '#0072b2' if chosen else '#b4c0ca'
+    return ('<svg class="bar" viewBox="0 0 100 8" preserveAspectRatio="none" aria-hidden="true">'
+            f'<rect width="{max(100.0 * share, 0.8):.1f}" height="8" fill="{colour}"/></svg>')
+
+
+def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) -> str:
+    """Return the declared parameters, as given and refitted."""
+    rows = []
+    for one in refitted:
+        scale = scale_of(one.unit)
+        cells = [
+            f'<td><code>{one.name}</code></td>',
+            number_cell(scale.text(one.given, 4), si_text(one.given, one.unit, 4))]
+        for stage in stages:
+            value = getattr(one, stage)
+            away = (value - one.given) / one.spread if one.spread else 0.0
+            cells.append(number_cell(scale.text(value, 4), f'{away:+.1f} σ'.replace('-', '−')))
+        rows.append(row(cells))
+    return table(['declared parameter', 'as given', *stages.values()], rows)

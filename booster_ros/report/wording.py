@@ -1,0 +1,150 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A diagnosis in sentences."""
+
+from collections.abc import Sequence
+import math
+
+from booster_ros.diagnosis.result import ChannelError, Diagnosis, UnknownTerm
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.report.engineering import scale_of
+
+SCALING = (
+    'Scaling effective area, dead volume, opening gain and largest area of the booster (A, V0, k, '
+    'S_max) by one factor leaves every pressure and position unchanged: only their ratios are '
+    'identified, not each of them.'
+)
+
+NEAR_NOISE = 1.3
+"""Ratio of error to noise up to which a model is called as good as the measurement."""
+
+_CHANNELS = {
+    'control_current': 'control current',
+    'back_pressure': 'back pressure',
+    'supply_pressure': 'supply pressure',
+    'mass_flow': 'mass flow',
+    'chamber_pressure': 'chamber pressure',
+    'valve_position': 'valve position',
+    'stem_velocity': 'stem velocity',
+    'booster_force': 'booster force',
+    'time': 'time',
+}
+
+_PLACES = {
+    'ep_converter': 'the E/P converter',
+    'booster': 'the booster',
+    'supply': 'the supply',
+    'tubing': 'the tubing',
+    'chamber': 'the actuator chamber',
+    'stem': 'the stem',
+    'sensor': 'a sensor',
+    'pressure_sensor': 'the pressure sensor',
+    'position_sensor': 'the position sensor',
+}
+
+
+def channel_label(name: str) -> str:
+    """Return the words for a channel or variable."""
+    return _CHANNELS.get(name, name.replace('_', ' '))
+
+
+def place_label(location: str) -> str:
+    """Return the words for a location."""
+    return _PLACES.get(location, location.replace('_', ' '))
+
+
+def effect_label(name: str) -> str:
+    """Return the words for an effect."""
+    return name.replace('_', ' ')
+
+
+def listing(words: Sequence[str], last: str = 'and') -> str:
+    """Return 'a, b and c'."""
+    if len(words) < 2:
+        return ''.join(words)
+    return f'{", ".join(words[:-1])} {last} {words[-1]}'
+
+
+def verdict_title(diagnosis: Diagnosis) -> str:
+    """Return the verdict as a headline."""
+    if diagnosis.verdict == 'none':
+        return 'The declared model is enough' if _reaches_noise(diagnosis) else 'Nothing to add'
+    if diagnosis.verdict == 'unknown':
+        place = place_label(_unknown_place(diagnosis))
+        return f'The model lacks something in {place} that no named effect explains'
+    return f'The model lacks {listing([effect_label(e.name) for e in diagnosis.effects])}'
+
+
+def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
+    """Return what follows the headline: the meaning, the gain, and what it may be instead."""
+    if diagnosis.verdict == 'none':
+        return _sentences_on_none(diagnosis)
+    if diagnosis.verdict == 'unknown':
+        sentences = [_sentence_on_unknown(diagnosis.unknown)] if diagnosis.unknown else []
+        return [*sentences, _gain(diagnosis)]
+    sentences = []
+    for effect in diagnosis.effects:
+        meaning = EFFECTS[effect.name].meaning
+        sentences.append(
+            f'{meaning[:1].upper()}{meaning[1:]}. It is born in {place_label(effect.location)}.')
+    sentences.append(_gain(diagnosis))
+    for effect in diagnosis.effects:
+        if effect.confused_with:
+            rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
+            sentences.append(
+                f'This record cannot tell {effect_label(effect.name)} from {rivals}.')
+    return sentences
+
+
+def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
+    errors = judged(diagnosis)
+    refitted = listing([
+        f'{channel_label(name)} by {scale_of(e.unit).text(e.before)} (noise '
+        f'{scale_of(e.unit).text(e.noise)})' for name, e in errors.items()])
+    first = f'Refitted within its tolerances it misses {refitted}, {_where(diagnosis)}.'
+    if _reaches_noise(diagnosis):
+        return [first, 'No effect of the catalogue improves on that beyond chance.']
+    return [
+        first, 'That is more than noise, but no effect of the catalogue, and no smooth term, '
+        'improves on it beyond chance: a record with more movement may show what is missing.']
+
+
+def _sentence_on_unknown(unknown: UnknownTerm) -> str:
+    variable, size = scale_of(unknown.variable_unit), scale_of(unknown.unit)
+    largest = max((float(v) for v in unknown.values), key=abs)
+    return (
+        f'It depends on the {channel_label(unknown.variable)}, was seen from '
+        f'{variable.text(float(unknown.knots[0]))} to {variable.text(float(unknown.knots[-1]))} '
+        f'and reaches {size.text(largest)}. It is in the model as a table, zero outside that range.'
+    )
+
+
+def _gain(diagnosis: Diagnosis) -> str:
+    parts = [
+        f'{channel_label(name)} from {scale_of(e.unit).text(e.before)} to '
+        f'{scale_of(e.unit).text(e.after)} (noise {scale_of(e.unit).text(e.noise)})'
+        for name, e in judged(diagnosis).items()]
+    return f'With it the error falls in {listing(parts)}, {_where(diagnosis)}.'
+
+
+def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
+    """Return the errors that judge the models: on held-out data where any of it could be scored."""
+    held_out = {
+        name: error for name, error in diagnosis.held_out.items() if math.isfinite(error.after)}
+    return held_out or diagnosis.error
+
+
+def _where(diagnosis: Diagnosis) -> str:
+    is_held_out = any(math.isfinite(error.after) for error in diagnosis.held_out.values())
+    return 'on data that no step of this analysis had seen' if is_held_out else (
+        'on the data it was fitted to')
+
+
+def _reaches_noise(diagnosis: Diagnosis) -> bool:
+    return all(e.after <= NEAR_NOISE * e.noise for e in judged(diagnosis).values())
+
+
+def _unknown_place(diagnosis: Diagnosis) -> str:
+    if diagnosis.unknown is not None:
+        return diagnosis.unknown.location
+    return diagnosis.effects[0].location if diagnosis.effects else 'the model'
