@@ -8,7 +8,8 @@ once, and everything is put into words and numbers.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+import itertools
 
 import numpy as np
 
@@ -18,7 +19,8 @@ from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
-    MOST_EFFECTS, Candidate, Search, at, clearly_better, gain)
+    FINALISTS, MOST_EFFECTS, THINNING, THINNING_FITS, Candidate, Search, at, clearly_better,
+    gain, preferred_first, told_apart)
 from booster_ros.diagnosis.segments import rows_of, split
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, terms
 from booster_ros.model import discrepancy as term
@@ -29,17 +31,19 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 Progress = Callable[[str, float], None]
 
-NEAR_NOISE = 1.06
+USED = ('fit', 'select')
+
+NEAR_NOISE = 1.1
 """Mean square misfit below which no further effect is looked for."""
+
+PLAUSIBLE = 12.0
+"""Sum of squared departures of the declared parameters that their priors still allow."""
 
 WELL_EXPLAINED = 1.5
 """Mean square misfit up to which named effects count as the whole explanation."""
 
 BEAM = 2
 """Models that are carried to the next round: the first effect found need not be a true one."""
-
-TOO_SIMILAR = 0.02
-"""Models whose misfits differ by less than this share cannot be told apart by the record."""
 
 
 @dataclass(frozen=True)
@@ -78,39 +82,43 @@ def diagnose(
 
 
 def _forward(search: Search, tell: Progress) -> _Tried:
-    """Steps 1 to 7 of the search."""
+    """Carry out steps 1 to 7 of the search."""
     refit = search.refit()
     everything = [refit]
-    reasons: dict[tuple[str, ...], str] = {(): 'the declared model, refitted'}
     chosen = refit
     beam = [refit]
     for level in range(MOST_EFFECTS):
-        if chosen.misfit < NEAR_NOISE and chosen.prior < 10.0:
+        if chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE:
             break
-        found: dict[frozenset[str], Candidate] = {}
-        for k, parent in enumerate(beam):
-            done = [0]
-
-            def tick(parent_index: int = k, count: list[int] = done) -> None:
-                count[0] += 1
-                share = (parent_index + min(count[0] / 33.0, 1.0)) / len(beam)
-                tell(f'trying effect {level + 1}', 0.05 + 0.25 * (level + share))
-
-            for candidate in search.extend(parent, tick):
-                key = frozenset(candidate.effects)
-                if key not in found or candidate.score < found[key].score:
-                    found[key] = candidate
-        ranked = sorted(found.values(), key=lambda c: c.score)
+        ranked = _round(search, beam, level, tell)
         everything += ranked
         if not ranked or not clearly_better(ranked[0], chosen):
             break
         chosen = ranked[0]
         beam = ranked[:BEAM]
     chosen = _backward(search, chosen, everything)
-    for candidate in everything:
-        reasons.setdefault(candidate.effects, _reason(candidate, chosen))
-    reasons[chosen.effects] = 'chosen' if chosen.effects else reasons[()]
+    reasons = {c.effects: _reason(c, chosen) for c in everything}
+    reasons[chosen.effects] = 'chosen'
+    reasons[()] = 'the declared model, refitted'
     return _Tried(refit, chosen, tuple(everything), reasons)
+
+
+def _round(search: Search, beam: list[Candidate], level: int, tell: Progress) -> list[Candidate]:
+    """Return the models with one effect more than those in the beam, best first."""
+    found: dict[frozenset[str], Candidate] = {}
+    steps = len(beam) * (len(search.names) + FINALISTS)
+    done = itertools.count(1)
+
+    def tick() -> None:
+        share = min(next(done) / steps, 1.0)
+        tell(f'trying effect {level + 1}', 0.05 + 0.25 * (level + share))
+
+    for parent in beam:
+        for candidate in search.extend(parent, tick):
+            key = frozenset(candidate.effects)
+            if key not in found or candidate.score < found[key].score:
+                found[key] = candidate
+    return preferred_first(list(found.values()))
 
 
 def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
@@ -122,7 +130,7 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) ->
         problem = search.problem()
         problem = search.joint(problem, rest)
         z = search.carried(chosen, problem)
-        smaller = search.rate(rest, problem, problem.fit(z, evaluations=12))
+        smaller = search.rate(rest, problem, problem.fit(z, evaluations=9))
         everything.append(smaller)
         if not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything)
@@ -130,11 +138,11 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) ->
 
 
 def _reason(candidate: Candidate, chosen: Candidate) -> str:
-    fall, error = gain(candidate, chosen)
     if set(chosen.effects) < set(candidate.effects):
         return 'the added effect does not lower the held-back error enough'
-    if fall > max(error, TOO_SIMILAR * candidate.score):
-        return f'{candidate.score / max(chosen.score, 1e-12):.3g} times the squared error of the choice'
+    if told_apart(candidate, chosen):
+        ratio = candidate.score / max(chosen.score, 1e-12)
+        return f'{ratio:.3g} times the squared error of the choice'
     return 'not told apart from the choice by this record'
 
 
@@ -143,19 +151,19 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     if tried.chosen.misfit < WELL_EXPLAINED:
         return None
     problem = tried.refit.problem
-    thin = search.thinned(problem)
+    thin = search.on(problem, ('fit',), THINNING)
     best: Candidate | None = None
     references = [at(thin, tried.refit.fit.z), at(thin, thin.start())]
     reached = sorted(
-        (linear_reach(thin, reference, one) + (one,) for reference in references
+        ((*linear_reach(thin, reference, one), one) for reference in references
          for one in terms(search.experiment.channels)), key=lambda found: found[0])
     seen: set[str] = set()
-    for cost, z, joint, one in reached:
+    for _, z, joint, one in reached:
         if one.label in seen or len(seen) >= 3:
             continue
         seen.add(one.label)
-        full = Problem(search.experiment, problem.rows, joint.base, joint.freedoms)
-        fit = full.fit(z, evaluations=10)
+        full = search.on(joint, ('fit',), THINNING_FITS)
+        fit = full.fit(z, evaluations=8)
         candidate = search.rate((f'unknown: {one.label}',), full, fit)
         if best is None or candidate.score < best.score:
             best = candidate
@@ -166,19 +174,19 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
               ) -> Diagnosis:
     """Refit on all but the locked part, open that part once, and collect the numbers."""
     experiment = search.experiment
-    used, size = ('fit', 'select'), len(experiment.time)
-    rows, locked = rows_of(search.segments, used, size), rows_of(search.segments, ('test',), size)
-    before = _final(tried.refit, rows)
+    size = len(experiment.time)
+    rows, locked = rows_of(search.segments, USED, size), rows_of(search.segments, ('test',), size)
+    _, before = _final(search, tried.refit)
     verdict, best = 'none', tried.refit
     if tried.chosen.effects:
         verdict, best = 'effect', tried.chosen
     if unnamed is not None and clearly_better(unnamed, best, 0.1):
         verdict, best = 'unknown', unnamed
-    after = before if verdict == 'none' else _final(best, rows)
+    problem, after = _final(search, best)
     effects: tuple[FoundEffect, ...] = ()
     table = None
     if verdict == 'effect':
-        effects = _found(search, tried, best, after, rows)
+        effects = _found(search, tried, best, problem, after)
     elif verdict == 'unknown':
         effects, table = _found_unknown(best, after)
     runs = {
@@ -199,25 +207,24 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
         tuple(search.segments), runs, notes)
 
 
-def _final(candidate: Candidate, rows: Array) -> Fit:
-    problem = replace(candidate.problem, rows=rows)
-    return problem.fit(candidate.fit.z, evaluations=12)
+def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
+    problem = search.on(candidate.problem, USED, 1)
+    return problem, problem.fit(candidate.fit.z, evaluations=9)
 
 
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array
             ) -> dict[str, ChannelError]:
-    return {
-        name: ChannelError(
-            UNITS[name], *(rmse(measured, runs[stage][name], rows)
-                           for stage in ('declared', 'before', 'after')),
-            experiment.noise[name])
-        for name, measured in experiment.measured.items()
-    }
+    errors = {}
+    for name, measured in experiment.measured.items():
+        declared, before, after = (
+            rmse(measured, runs[stage][name], rows) for stage in ('declared', 'before', 'after'))
+        errors[name] = ChannelError(
+            UNITS[name], declared, before, after, experiment.noise[name])
+    return errors
 
 
-def _found(search: Search, tried: _Tried, best: Candidate, after: Fit, rows: Array
+def _found(search: Search, tried: _Tried, best: Candidate, problem: Problem, after: Fit
            ) -> tuple[FoundEffect, ...]:
-    problem = replace(best.problem, rows=rows)
     draws = block_bootstrap(problem, after, search.segments)
     found = []
     for name in best.effects:
@@ -248,8 +255,7 @@ def _rivals(name: str, rest: tuple[str, ...], tried: _Tried, best: Candidate) ->
         others = set(candidate.effects) - set(rest)
         if len(others) != 1 or not set(rest) <= set(candidate.effects) or name in others:
             continue
-        fall, error = gain(candidate, best)
-        if fall < max(error if fall < 0.2 * best.score else 0.0, TOO_SIMILAR * best.score):
+        if not told_apart(candidate, best):
             rivals += sorted(others)
     return tuple(dict.fromkeys(rivals))
 
@@ -272,16 +278,9 @@ def _found_unknown(best: Candidate, after: Fit) -> tuple[tuple[FoundEffect, ...]
 def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
     rows = []
     for free in search.freedoms:
-        name = free.knob.parameter
-        label = name if free.element is None else f'{name}[{free.element}]'
-
-        def value(p: PositionerParameters) -> float:
-            if free.element is None:
-                return get(p, name)
-            component, attribute = name.split('.')
-            return float(getattr(getattr(p, component), attribute)[free.element])
-
+        name, element = free.knob.parameter, free.element
         rows.append(Refitted(
-            label, DESCRIPTIONS[name].unit, value(search.declared), value(before.parameters),
-            value(after.parameters), free.scale))
+            name if element is None else f'{name}[{element}]', DESCRIPTIONS[name].unit,
+            get(search.declared, name, element), get(before.parameters, name, element),
+            get(after.parameters, name, element), free.scale))
     return tuple(rows)

@@ -11,10 +11,10 @@ by bounded trust-region least squares (scipy), with the columns of the Jacobian 
 side: the compiled model gives up Python's lock.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 import os
-from typing import Sequence
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -28,6 +28,11 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 _POOL = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
+
+DIFFERENCE = 2e-3
+"""Step of the Jacobian's differences in z: larger ones bend, smaller ones drown in the solver."""
+
+_SHIFT = 5.0
 
 FAR = 1e3
 """Scaled residual where the model cannot run; large, finite, flat: a fit turns away."""
@@ -83,10 +88,11 @@ def put(p: PositionerParameters, name: str, value: float, element: int | None = 
     return p._replace(**{component: content._replace(**{attribute: value})})
 
 
-def get(p: PositionerParameters, name: str) -> float:
-    """Return a parameter by its dotted name."""
+def get(p: PositionerParameters, name: str, element: int | None = None) -> float:
+    """Return a parameter by its dotted name, one element of it where it is a list."""
     component, attribute = name.split('.')
-    return float(getattr(getattr(p, component), attribute))
+    value = getattr(getattr(p, component), attribute)
+    return float(value if element is None else value[element])
 
 
 # Relative (or absolute, in SI) spread within which a declared parameter may be off, the bounds at
@@ -114,9 +120,7 @@ def declared_freedom(p: PositionerParameters, names: Sequence[str] | None = None
     for name, relative, absolute, element in _DECLARED:
         if names is not None and name not in names:
             continue
-        component, attribute = name.split('.')
-        value = getattr(getattr(p, component), attribute)
-        value = float(value if element is None else value[element])
+        value = get(p, name, element)
         spread = absolute + relative * abs(value)
         if spread <= 0.0:
             continue
@@ -217,7 +221,7 @@ class Problem:
         here = self.residuals(z)
 
         def column(j: int) -> Array:
-            step = 0.02
+            step = DIFFERENCE
             if j < len(self.freedoms) and z[j] + step > self.freedoms[j].high:
                 step = -step
             moved = z.copy()
@@ -241,9 +245,14 @@ class Problem:
         high = np.array([f.high for f in self.freedoms] + [np.inf] * self.nuisances)
         begin = self.start() if z is None else z
         margin = 1e-6 * np.minimum(high - low, 1.0)
+        begin = np.clip(begin, low + margin, high - margin)
+        # the first trust region is as large as the start vector: shift it, so that a start near
+        # zero is not taken for a wish to move in small steps
         found = least_squares(
-            self.residuals, np.clip(begin, low + margin, high - margin), self.jacobian,
-            bounds=(low, high), max_nfev=evaluations, ftol=1e-4, xtol=1e-4)
-        p = self.parameters(found.x)
-        return Fit(self.freedoms, found.x, p, self.initial(found.x, p), 2.0 * found.cost,
+            lambda v: self.residuals(v - _SHIFT), begin + _SHIFT,
+            lambda v: self.jacobian(v - _SHIFT), bounds=(low + _SHIFT, high + _SHIFT),
+            max_nfev=evaluations, ftol=1e-4, xtol=1e-4, method='dogbox')
+        z = found.x - _SHIFT
+        p = self.parameters(z)
+        return Fit(self.freedoms, z, p, self.initial(z, p), 2.0 * found.cost,
                    found.jac)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import periodogram
 
-from booster_ros.diagnosis.fit import Fit, Free, Problem, effect_freedom
+from booster_ros.diagnosis.fit import DIFFERENCE, Fit, Free, Problem, effect_freedom
 from booster_ros.model.catalogue import EFFECTS, Effect
 
 Array = np.ndarray
@@ -171,7 +171,7 @@ def _improve(joint: Problem, start: Screened, jacobian: Array, where: int, low: 
         columns = []
         for j in range(where, where + added):
             moved = z.copy()
-            step = 0.05 if z[j] + 0.05 <= high[j] else -0.05
+            step = DIFFERENCE if z[j] + DIFFERENCE <= high[j] else -DIFFERENCE
             moved[j] += step
             columns.append((joint.residuals(moved) - r) / step)
         full = np.concatenate(

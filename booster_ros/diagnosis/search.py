@@ -19,7 +19,7 @@ named effects. Numbered as carried out:
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import os
 
 import numpy as np
@@ -38,14 +38,18 @@ MOST_EFFECTS = 3
 FINALISTS = 4
 """Effects per round that are fitted in full."""
 
-WORTH_ADDING = 0.03
+WORTH_ADDING = 0.05
 """An effect must lower the score by this share: less is below what noise and rounding hide."""
 
+TOO_SIMILAR = 0.01
+"""Models whose scores differ by less than this share are not told apart by a record."""
+
 THINNING = 5
-"""Screening uses every fifth row (all rows where the drive jumps)."""
+THINNING_FITS = 3
+"""Screening uses every fifth row, fits every third (all rows where the drive jumps)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Candidate:
     """A model: its effects, its fit, and how it scores on the select segments."""
 
@@ -81,7 +85,7 @@ def clearly_better(better: Candidate, worse: Candidate, share: float = WORTH_ADD
     return fall > error and fall > share * worse.score
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Search:
     """The task: experiment, segments, declared parameters and their freedom."""
 
@@ -91,19 +95,27 @@ class Search:
     freedoms: tuple[Free, ...]
     names: tuple[str, ...] = tuple(EFFECTS)
 
-    def problem(self, roles: tuple[str, ...] = ('fit',)) -> Problem:
-        """Return the refit of the declared parameters on segments of these roles."""
+    def rows_and_experiment(self, roles: tuple[str, ...], factor: int) -> tuple[Array, Experiment]:
+        """Return the rows of these roles and the experiment, both thinned by `factor`."""
         rows = rows_of(self.segments, roles, len(self.experiment.time))
-        return Problem(self.experiment, rows, self.declared, self.freedoms)
+        if factor == 1:
+            return rows, self.experiment
+        thin, kept = self.experiment.thinned(factor)
+        return rows[kept], thin
 
-    def thinned(self, problem: Problem) -> Problem:
-        """Return the same problem on fewer rows."""
-        thin, kept = problem.experiment.thinned(THINNING)
-        return Problem(thin, problem.rows[kept], problem.base, problem.freedoms)
+    def on(self, problem: Problem, roles: tuple[str, ...], factor: int) -> Problem:
+        """Return the same problem on segments of these roles, every `factor`-th row."""
+        rows, experiment = self.rows_and_experiment(roles, factor)
+        return replace(problem, experiment=experiment, rows=rows)
+
+    def problem(self) -> Problem:
+        """Return the refit of the declared parameters on the fit segments."""
+        rows, experiment = self.rows_and_experiment(('fit',), THINNING_FITS)
+        return Problem(experiment, rows, self.declared, self.freedoms)
 
     def rate(self, effects: tuple[str, ...], problem: Problem, fit: Fit) -> Candidate:
         """Return the fit as a candidate, scored on the select segments."""
-        predicted = problem.predict(fit.z)
+        predicted = self.on(problem, ('select',), 1).predict(fit.z)
         sums, samples = [], 0
         for segment in self.segments:
             if segment.role != 'select':
@@ -141,7 +153,7 @@ class Search:
 
     def extend(self, parent: Candidate, tick: Callable[[], None]) -> list[Candidate]:
         """Return the best models with one effect more than `parent`, best first."""
-        thin = self.thinned(parent.problem)
+        thin = self.on(parent.problem, ('fit',), THINNING)
         around = references(thin, at(thin, parent.fit.z))
         frequencies = strong_frequencies(thin, parent.fit.z)
         names = [name for name in self.names if name not in parent.effects and
@@ -157,16 +169,41 @@ class Search:
         found = []
         for quick in screened[:FINALISTS]:
             joint = with_effect(parent.problem, EFFECTS[quick.effect])
-            fit = joint.fit(quick.z, evaluations=12)
+            fit = joint.fit(quick.z, evaluations=9)
             found.append(self.rate((*parent.effects, quick.effect), joint, fit))
             tick()
-        return sorted(found, key=lambda c: c.score)
+        return preferred_first(found)
 
 
 def at(problem: Problem, z: Array) -> Fit:
     """Return z as a fit of the problem, with its Jacobian there."""
     p = problem.parameters(z)
     return Fit(problem.freedoms, z, p, problem.initial(z, p), 0.0, problem.jacobian(z))
+
+
+def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
+    """
+    Return the candidates by score; of those not told apart from the best, the plainest first.
+
+    Plainest: fewest parameters, then the order of the catalogue, which lists common causes first.
+    """
+    ranked = sorted(candidates, key=lambda c: c.score)
+    if not ranked:
+        return ranked
+    ties = [c for c in ranked if not told_apart(c, ranked[0])]
+    order = list(EFFECTS)
+
+    def plainness(c: Candidate) -> tuple[int, int]:
+        return len(c.problem.freedoms), sum(order.index(e) for e in c.effects)
+
+    ties.sort(key=plainness)
+    return ties + [c for c in ranked if c not in ties]
+
+
+def told_apart(worse: Candidate, better: Candidate) -> bool:
+    """Tell whether the record prefers one model: by a standard error and a share that matters."""
+    fall, error = gain(worse, better)
+    return fall > TOO_SIMILAR * better.score and fall > error
 
 
 def redundant(name: str, present: tuple[str, ...]) -> bool:

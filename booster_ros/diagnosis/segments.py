@@ -3,6 +3,7 @@
 """Whole experiment segments, and which of them fit, select and test."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -54,7 +55,7 @@ def split(time: Array, drive: Array, locked: float = 0.2) -> list[Segment]:
     fine.append(len(time))
     begin_test = time[0] + (1.0 - locked) * (time[-1] - time[0])
     segments: list[Segment] = []
-    for k, (first, last) in enumerate(zip(fine, fine[1:])):
+    for k, (first, last) in enumerate(pairwise(fine)):
         if last <= first:
             continue
         middle = 0.5 * (time[first] + time[last - 1])

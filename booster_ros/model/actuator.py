@@ -19,15 +19,15 @@ class Actuator(NamedTuple):
         'm^3', 'chamber volume at closed stem, V0', 1e-9, 10.0,
         'fitted to paper Table III')] = 0.185e-3
     polytropic_index: Annotated[float, Quantity(
-        '-', 'n: 1 isothermal, 1.4 adiabatic', 1.0, 1.4, 'MODEL: isothermal')] = 1.0
+        '-', 'n: 1 isothermal, 1.4 adiabatic', 1.0, 1.4, 'assumed: isothermal')] = 1.0
     moving_mass: Annotated[float, Quantity(
-        'kg', 'stem, plug and diaphragm plate', 1e-3, 1e4, 'MODEL: assumed')] = 4.0
+        'kg', 'stem, plug and diaphragm plate', 1e-3, 1e4, 'assumed')] = 4.0
     bench_set: Annotated[tuple[float, float], Quantity(
         'Pa', 'gauge pressures at which the stem leaves 0 and reaches the travel',
         -1e6, 1e7, 'paper Table II')] = (150e3, 300e3)
     travel: Annotated[float, Quantity('m', 'stroke L', 1e-5, 2.0, 'paper Table II')] = 0.016
     viscous_friction: Annotated[float, Quantity(
-        'N s/m', 'force per stem velocity, c', 0.0, 1e9, 'MODEL: assumed')] = 3000.0
+        'N s/m', 'force per stem velocity, c', 0.0, 1e9, 'assumed')] = 3000.0
     stop_stiffness: Annotated[float, Quantity(
         'N/m', 'stiffness of the end stops', 1e5, 1e12, 'assumed: yields micrometres')] = 5e8
     stop_damping: Annotated[float, Quantity(
@@ -47,7 +47,7 @@ class Actuator(NamedTuple):
         'N', 'stem_friction: break-away force beyond sliding friction', 0.0, 1e6)] = 0.0
     stribeck_velocity: Annotated[float, Quantity(
         'm/s', 'stem_friction: velocity at which stiction has faded to 37 %', 1e-6, 1.0,
-        'EFFECTS ST2: 0.1 to 5 mm/s')] = 1e-3
+        'packings: 0.1 to 5 mm/s')] = 1e-3
     friction_gradient: Annotated[float, Quantity(
         'N', 'position_dependent_friction: sliding friction added from closed to full travel',
         -1e6, 1e6)] = 0.0

@@ -63,145 +63,157 @@ _ROWS = (
     _effect(
         'ep_hysteresis', 'ep_converter', 'the back pressure lags behind a reversing current',
         'reversals of the current', 'slow triangle with the back pressure recorded: the loop '
-        'stands in back pressure over current', 'EFFECTS EP2 (play)',
+        'stands in back pressure over current',
+        'play operator: A. Visintin, Differential Models of Hysteresis, 1994',
         Knob('ep_converter.hysteresis', 2e-6, 0.0, 4e-5)),
     _effect(
         'ep_drift', 'ep_converter', 'the back pressure shifts with time (coil heating)',
         'minutes of record', 'repeat one step after an hour: the settled pressure has moved',
-        'EFFECTS EP8',
+        'first-order warming of coil and magnet',
         Knob('ep_converter.drift', 1e3, -3e4, 3e4),
         Knob('ep_converter.drift_time_constant', 100.0, 5.0, 2000.0, 100.0, shape=True)),
     _effect(
         'ep_nonlinearity', 'ep_converter', 'the back pressure is not a straight line over current',
         'settled pressures across the range', 'staircase with the back pressure recorded',
-        'EFFECTS EP3',
+        'second and third order of the nozzle-flapper characteristic',
         Knob('ep_converter.nonlinearity_even', 1e3, -3e4, 3e4),
         Knob('ep_converter.nonlinearity_odd', 1e3, -3e4, 3e4)),
     _effect(
         'dead_time', 'ep_converter', 'the response starts late', 'steps, sampled faster than it',
-        'steps of several sizes: a delay shifts all by the same time', 'EFFECTS TU2',
+        'steps of several sizes: a delay shifts all by the same time',
+        'pure delay: E. Richer, Y. Hurmuzlu, J. Dyn. Sys. Meas. Control 122 (2000) 416',
         Knob('ep_converter.dead_time', 0.05, 0.0, 1.0)),
     _effect(
         'booster_dead_band', 'booster', 'force before intake or exhaust opens',
         'reversals, or the back pressure', 'slow triangle with the stem blocked: the dead band '
-        'stays', 'EFFECTS BO1, BO2; paper Table I',
+        'stays', 'paper Table I: flow begins at about 0.37 N',
         Knob('booster.intake_preload', 0.02, 0.0, 1.0),
         Knob('booster.exhaust_preload', 0.02, 0.0, 1.0)),
     _effect(
         'exhaust_asymmetry', 'booster', 'the exhaust opens differently from the intake',
-        'steps up and down', 'equal steps up and down over the same span', 'EFFECTS BO7',
+        'steps up and down', 'equal steps up and down over the same span',
+        'separate gain and area of the exhaust seat',
         Knob('booster.exhaust_gain_ratio', 0.7, 0.1, 8.0, 1.0),
         Knob('booster.exhaust_area_ratio', 0.7, 0.1, 8.0, 1.0)),
     _effect(
         'supply_seat_leak', 'booster', 'the intake seat never closes',
         'settled pressures', 'dead-ended hold: the pressure rises with the booster closed',
-        'EFFECTS BO8', Knob('booster.supply_leak_area', 5e-8, 0.0, 1e-6)),
-    _effect(
-        'exhaust_seat_leak', 'booster', 'the exhaust seat never closes',
-        'settled pressures', 'hold with the tube valved off at the actuator: the chamber holds, '
-        'the air consumption stays', 'EFFECTS BO8',
-        Knob('booster.exhaust_leak_area', 5e-8, 0.0, 1e-6)),
+        'ISO 6358 orifice that is always open', Knob('booster.supply_leak_area', 5e-8, 0.0, 1e-6)),
     _effect(
         'opening_nonlinearity', 'booster', 'the opening is not proportional to the force',
         'steps of several sizes', 'free-flow bench: flow over force at one supply pressure',
-        'EFFECTS BO6',
+        'power law and p-norm knee',
         Knob('booster.opening_exponent', 1.3, 0.4, 3.0, 1.0),
         Knob('booster.knee_softness', 0.3, 0.0, 1.0)),
     _effect(
         'plug_flow_force', 'booster', 'the jet pushes the plug closed',
         'several supply or chamber pressures', 'free-flow bench at several supply and outlet '
-        'pressures', 'EFFECTS BO4; paper Table I',
+        'pressures', 'paper Table I; J. F. Blackburn et al., Fluid Power Control, 1960, ch. 10',
         Knob('booster.intake_flow_force', 0.7, 0.0, 10.0),
         Knob('booster.exhaust_flow_force', 0.7, 0.0, 10.0)),
     _effect(
         'critical_pressure_ratio', 'booster', 'real seats choke at another pressure ratio',
         'fills to high pressure', 'fill to different fractions of the supply pressure',
-        'EFFECTS BO10; ISO 6358',
+        'ISO 6358-1: b of real seats is 0.15 to 0.45',
         Knob('booster.critical_pressure_ratio_shift', -0.15, -0.5, 0.4)),
     _effect(
         'supply_droop', 'supply', 'the regulator loses pressure with flow',
-        'large steps', 'log the supply pressure during a large step', 'EFFECTS SU1',
+        'large steps', 'log the supply pressure during a large step',
+        'regulator characteristic, ISO 6953-1',
         Knob('supply.droop', 2e7, 0.0, 1e9),
         Knob('supply.droop_time_constant', 0.1, 0.01, 3.0, 0.1, shape=True)),
     _effect(
         'supply_ripple', 'supply', 'the supply pressure oscillates',
-        'rests longer than its period', 'log the supply pressure at rest', 'EFFECTS SU2',
+        'rests longer than its period', 'log the supply pressure at rest',
+        'sinusoidal supply pressure',
         Knob('supply.ripple', 2e3, 0.0, 1e5),
         Knob('supply.ripple_frequency', 0.5, 0.003, 20.0, 0.5, shape=True),
         Knob('supply.ripple_phase', 0.0, -7.0, 7.0, shape=True)),
     _effect(
         'tubing_restriction', 'tubing', 'tube and fittings throttle between booster and actuator',
-        'steps', 'two pressure taps, at the booster outlet and at the actuator', 'EFFECTS TU1',
+        'steps', 'two pressure taps, at the booster outlet and at the actuator',
+        'ISO 6358 orifice behind a volume',
         Knob('tubing.restriction_area', 2e-6, 2e-7, 3e-5, 0.0, inverse=True),
         Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True)),
     _effect(
         'chamber_leak', 'chamber', 'air escapes from the actuator', 'settled pressures, steps',
-        'valve the actuator off and watch its pressure for minutes', 'EFFECTS CH4, CH5',
+        'valve the actuator off and watch its pressure for minutes',
+        'ISO 6358 orifice; M. Bartys et al., Control Eng. Practice 14 (2006) 577, f9, f10',
         Knob('actuator.leak_area', 5e-8, 0.0, 1e-6)),
+    _effect(
+        'exhaust_seat_leak', 'booster', 'the exhaust seat never closes',
+        'settled pressures', 'hold with the tube valved off at the actuator: the chamber holds, '
+        'the air consumption stays', 'ISO 6358 orifice that is always open',
+        Knob('booster.exhaust_leak_area', 5e-8, 0.0, 1e-6)),
     _effect(
         'heat_transfer', 'chamber', 'the air warms when compressed and cools at the wall',
         'fast fills followed by rests', 'blocked stem, fast fill, then isolate: the pressure '
-        'relaxes to a plateau', 'EFFECTS CH1',
+        'relaxes to a plateau', 'first law for an ideal gas with heat through the wall',
         Knob('actuator.thermal_resistance', 0.3, 0.0, 20.0)),
     _effect(
         'dead_volume_change', 'chamber', 'the chamber is larger or smaller than declared',
         'steps below and above the bench set', 'blocked-stem fills with a known volume added',
-        'EFFECTS CH2', Knob('actuator.added_volume', 1e-4, -1.5e-4, 3e-3)),
+        'chamber volume at closed stem', Knob('actuator.added_volume', 1e-4, -1.5e-4, 3e-3)),
     _effect(
         'stem_friction', 'stem', 'packing friction: the stem sticks and slips',
         'reversals', 'slow triangle: two parallel lines in position over pressure; dither '
-        'narrows them', 'EFFECTS ST1, ST2',
+        'narrows them', 'B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083',
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
         Knob('actuator.stiction', 100.0, 0.0, 3e3)),
     _effect(
         'position_dependent_friction', 'stem', 'friction differs along the travel (bent stem)',
-        'reversals at several positions', 'valve signature over the full travel', 'EFFECTS ST4',
+        'reversals at several positions', 'valve signature over the full travel',
+        'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f8',
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
         Knob('actuator.friction_gradient', 300.0, -6e3, 6e3)),
     _effect(
         'spring_nonlinearity', 'stem', 'the spring is not a straight line',
-        'positions across the travel', 'spring test without the diaphragm', 'EFFECTS ST6',
+        'positions across the travel', 'spring test without the diaphragm',
+        'bow and S-curve about the straight spring',
         Knob('actuator.spring_bend', 300.0, -5e3, 5e3),
         Knob('actuator.spring_s_curve', 100.0, -5e3, 5e3)),
     _effect(
         'effective_area_change', 'stem', 'the diaphragm area falls over the travel',
-        'positions across the travel', 'spring test without the diaphragm', 'EFFECTS CH3',
+        'positions across the travel', 'spring test without the diaphragm',
+        'diaphragm area linear in travel',
         Knob('actuator.area_change', 0.05, -0.5, 0.5)),
     _effect(
         'bench_set_shift', 'stem', 'the spring is preloaded differently from declared',
-        'moving stem', 'bench test: the pressures at which the stem leaves 0 and reaches the travel',
-        'EFFECTS ST8', Knob('actuator.bench_set_shift', 5e3, -8e4, 8e4)),
+        'moving stem',
+        'bench test: the pressures at which the stem leaves 0 and reaches the travel',
+        'bench set, IEC 60534', Knob('actuator.bench_set_shift', 5e3, -8e4, 8e4)),
     _effect(
         'seat_load', 'stem', 'the seat holds or pushes the nearly closed stem',
-        'closing and opening', 'valve signature near the seat', 'EFFECTS ST11',
+        'closing and opening', 'valve signature near the seat', 'soft seat that lets go linearly',
         Knob('actuator.seat_load', 500.0, -1e4, 1e4),
         Knob('actuator.seat_depth', 1e-3, 1e-4, 6e-3, 1e-3, shape=True)),
     _effect(
         'flow_force', 'stem', 'the process pushes on the plug',
         'positions across the travel', 'the same strokes without process pressure',
-        'EFFECTS ST9, ST10',
+        'unbalanced plug: force falls as the valve opens',
         Knob('actuator.flow_force', 500.0, -1e4, 1e4),
         Knob('actuator.flow_force_decay', 0.3, 0.05, 3.0, 0.3, shape=True)),
     _effect(
         'position_backlash', 'sensor', 'lost motion in the feedback linkage',
-        'reversals', 'a second position sensor on the stem', 'EFFECTS ST7',
+        'reversals', 'a second position sensor on the stem',
+        'play operator; M. Bartys et al. (2006), f15',
         Knob('sensors.position_backlash', 1e-4, 0.0, 5e-3)),
     _effect(
         'position_sensor_lag', 'sensor', 'the position reading comes late', 'steps',
-        'a second position sensor on the stem', 'EFFECTS SE1',
+        'a second position sensor on the stem', 'first-order sensor',
         Knob('sensors.position_lag', 0.1, 0.0, 5.0)),
     _effect(
         'position_sensor_bias', 'sensor', 'the position reading is off in zero or span',
-        'rest at an end stop', 'both end stops', 'EFFECTS SE2, SE6',
+        'rest at an end stop', 'both end stops', 'zero and span error, IEC 61298-2',
         Knob('sensors.position_bias', 1e-4, -5e-3, 5e-3),
         Knob('sensors.position_span_error', 0.02, -0.3, 0.3)),
     _effect(
         'pressure_sensor_lag', 'sensor', 'the pressure reading comes late', 'steps',
-        'a second pressure sensor at the chamber', 'EFFECTS SE1',
+        'a second pressure sensor at the chamber', 'first-order sensor',
         Knob('sensors.pressure_lag', 0.1, 0.0, 5.0)),
     _effect(
         'pressure_sensor_bias', 'sensor', 'the pressure reading is off', 'vented chamber',
-        'vent the chamber: the reading must be zero', 'EFFECTS SE2',
+        'vent the chamber: the reading must be zero', 'zero error, IEC 61298-2',
         Knob('sensors.pressure_bias', 3e3, -6e4, 6e4)),
 )
 

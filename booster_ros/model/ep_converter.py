@@ -15,7 +15,7 @@ class EpConverter(NamedTuple):
         'Pa/A', 'settled back pressure per control current', 1e6, 1e11,
         'makes 0.4524 mA settle at the 270.3 kPa of paper Table III')] = 244.45e3 / 0.4524e-3
     offset: Annotated[float, Quantity(
-        'Pa', 'back pressure at zero current', -1e6, 1e6, 'MODEL: zero')] = 0.0
+        'Pa', 'back pressure at zero current', -1e6, 1e6, 'assumed: calibrated zero')] = 0.0
     time_constant: Annotated[float, Quantity(
         's', 'lag of the back pressure', 1e-4, 60.0, 'fitted to paper Table III')] = 0.034
     hysteresis: Annotated[float, Quantity(

@@ -38,8 +38,8 @@ def run(
     Simulate a record: row k of `out` is what is seen at times[k].
 
     `currents[k]` (commanded) and `delayed[k]` (after the dead time) stand from times[k] to
-    times[k + 1]; of rows with the same stamp the last one counts. The states in `pinned` follow their column of `pins` instead of the equations.
-    Intervals longer than `longest` s are divided.
+    times[k + 1]; of rows with the same stamp the last one counts. The states in `pinned` follow
+    their column of `pins` instead of the equations. Intervals longer than `longest` s are divided.
     """
     seen = delayed[0]
     for k in range(len(times)):

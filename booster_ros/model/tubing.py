@@ -16,7 +16,7 @@ class Tubing(NamedTuple):
         0.0, 1.0)] = 0.0
     outlet_volume: Annotated[float, Quantity(
         'm^3', 'tubing_restriction: volume between booster and restriction', 1e-7, 1e-2,
-        'EFFECTS TU1: 10 to 50 mL')] = 4e-5
+        'a short tube: 10 to 50 mL')] = 4e-5
     critical_pressure_ratio: Annotated[float, Quantity(
         '-', 'tubing_restriction: critical pressure ratio of the tube', 0.0, 0.95,
         'as the booster')] = 0.5283
