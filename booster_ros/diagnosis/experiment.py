@@ -93,8 +93,8 @@ class Experiment:
         """
         Return this experiment with fewer rows, and which rows those are.
 
-        Rows at which the drive jumps are kept, so that the thinned drive is the same; between
-        them every `factor`-th row stays.
+        Rows at which the drive jumps are kept, between them every `factor`-th row stays; the
+        current that stands between two of them is the mean of what it was.
         """
         size = len(self.time)
         step = np.abs(np.diff(self.current))
@@ -107,10 +107,16 @@ class Experiment:
             keep[np.minimum(rows + offset, size - 1)] = True
         kept = np.flatnonzero(keep)
         thin = replace(
-            self, time=self.time[kept], current=self.current[kept],
+            self, time=self.time[kept], current=self._mean_current(kept),
             measured={name: values[kept] for name, values in self.measured.items()},
             pinned={name: values[kept] for name, values in self.pinned.items()})
         return thin, kept
+
+    def _mean_current(self, kept: Array) -> Array:
+        """Return the mean of the standing current from each kept row to the next."""
+        charge = np.concatenate(([0.0], np.cumsum(self.current[:-1] * np.diff(self.time))))
+        mean = np.diff(charge[kept]) / np.diff(self.time[kept])
+        return np.concatenate((mean, self.current[-1:]))
 
     def with_measured(self, measured: dict[str, Array]) -> 'Experiment':
         """Return the same experiment with other measurements."""
