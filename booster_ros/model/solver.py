@@ -1,194 +1,119 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The solver: Rodas3 with error-controlled sub-steps, and dry friction that sticks.
-
-Rodas3 is a linearly implicit (Rosenbrock) method of order 3, L-stable and stiffly accurate, with
-an embedded solution of order 2 (A. Sandu et al., Atmospheric Environment 31 (1997) 3459). Stiff
-corners — end stops, pressure ratios near 1, small volumes — cost it no small steps.
+The solver: error-controlled steps, and dry friction that sticks.
 
 One call of `advance` takes the state over one interval in which all inputs stand still:
 
-1. try a step; where the embedded error exceeds the tolerance, shorten it and try again;
+1. try a step; where its estimated error exceeds the tolerance, shorten it and try again;
 2. a sliding stem whose velocity would change sign is stopped at the crossing, exactly at zero,
    and stays there while the force on it is below the break-away friction;
 3. a stuck stem whose force passes the break-away friction starts to slide at that moment.
+
+Steps are linearly implicit (`rodas3`), but for a stem that slips: within milliseconds nothing is
+stiff any more, and accuracy asks for steps that an explicit method of higher order
+(`dormand_prince`) does better.
 
 The functions work on lists (plain Python) and on numpy arrays (compiled) alike.
 """
 
 import math
-from typing import NamedTuple
 
+from .dormand_prince import ORDER as EXPLICIT_ORDER, contraction, explicit_step
+from .rodas3 import ORDER as IMPLICIT_ORDER, fill_jacobian, implicit_step
 from .system import (
-    CHAMBER, DIRECTION, STATES, TRIAL_STEP, VELOCITY, PositionerParameters, breakaway_excess,
-    derivatives, slip_direction, sticks)
+    CHAMBER, DIRECTION, STATES, STIFFNESS, TRIAL_STEP, VELOCITY, PositionerParameters,
+    breakaway_excess, derivatives, friction_time_scale, slip_direction, sticks)
+from .workspace import Workspace, new_workspace
 
 FINEST_DIVISION = 4000.0
-"""Sub-steps are not made shorter than the interval by this, whatever the error estimate says."""
+"""Steps are not made shorter than the interval by this, whatever the error estimate says."""
 
 SHORTEST_EVENT = 1e-7
 """A step to where sticking or sliding ends is at least this long, s: time must pass."""
 
-FIRST_SLIP_STEP = 1e-5
-"""Trial step after break-away, s: stiction fades within micrometres, too fast for long steps."""
+FIRST_SLIP_STEP = 3e-4
+"""Trial step after break-away, s."""
 
-EVENT_VELOCITY = 1e-7
+LONGEST_EXPLICIT = 1e-3
+"""A sliding stem's steps up to this length, s, are explicit unless they turn out to be stiff."""
+
+STIFF = 2.5
+STIFF_STEPS = 3
+"""So many explicit steps with a contraction beyond this prove a slide stiff."""
+
 EVENT_FORCE = 1e-3
 EVENT_TRIALS = 8
-"""Velocity (m/s) or force (N) at which an end of sliding or sticking counts as found, trials."""
+"""Force (N) beyond break-away at which the end of sticking is looked for, trials for it."""
 
-# Error per sub-step that is tolerated: Pa, Pa, Pa, Pa, K, m, m/s.
-TOLERANCE = (2.0, 2.0, 2.0, 2.0, 1e-2, 1e-7, 1e-5)
-
-# Increments for the numerical Jacobian, in the unit of each state.
-INCREMENT = (0.1, 0.1, 0.1, 0.1, 1e-4, 1e-9, 1e-7)
+ROUNDING = 1e-6
+"""A force (N) beyond break-away by no more than this is none: a stem pressed to a stop rests."""
 
 
-class Workspace(NamedTuple):
-    """Scratch memory of the solver: lists of floats, or float arrays where compiled."""
-
-    rates: list[float]
-    stage_rates: list[float]
-    trial: list[float]
-    k1: list[float]
-    k2: list[float]
-    k3: list[float]
-    k4: list[float]
-    jacobian: list[float]
-    matrix: list[float]
+def _try_step(p, time, current, direction, y, h, explicit, active, count, w) -> float:
+    if explicit:
+        return explicit_step(p, time, current, direction, y, h, active, count, w)
+    return implicit_step(p, time, current, direction, y, h, active, count, w)
 
 
-def new_workspace() -> Workspace:
-    """Return scratch memory for plain Python."""
-    return Workspace(*([0.0] * STATES for _ in range(7)), *([0.0] * STATES**2 for _ in range(2)))
-
-
-def _jacobian(p, time, current, direction, y, active, count, w) -> None:
-    """Fill w.jacobian with d(rate)/d(state) of the active states, by forward differences."""
-    for j in range(count):
-        state = active[j]
-        kept = y[state]
-        y[state] = kept + INCREMENT[state]
-        derivatives(p, time, current, direction, y, w.stage_rates)
-        y[state] = kept
-        inverse = 1.0 / INCREMENT[state]
-        for i in range(count):
-            row = active[i]
-            w.jacobian[i * STATES + j] = (w.stage_rates[row] - w.rates[row]) * inverse
-
-
-def _factorise(jacobian, scale, count, matrix) -> None:
-    """Put the LU factors of (scale·1 - jacobian) in `matrix`; the diagonal holds inverses."""
-    for i in range(count):
-        for j in range(count):
-            matrix[i * STATES + j] = -jacobian[i * STATES + j]
-        matrix[i * STATES + i] += scale
-    for k in range(count):
-        inverse = 1.0 / matrix[k * STATES + k]
-        matrix[k * STATES + k] = inverse
-        for i in range(k + 1, count):
-            factor = matrix[i * STATES + k] * inverse
-            matrix[i * STATES + k] = factor
-            if factor != 0.0:
-                for j in range(k + 1, count):
-                    matrix[i * STATES + j] -= factor * matrix[k * STATES + j]
-
-
-def _solve(matrix, count, b) -> None:
-    """Replace `b` by the solution of (factorised matrix) x = b."""
-    for i in range(1, count):
-        total = b[i]
-        for j in range(i):
-            total -= matrix[i * STATES + j] * b[j]
-        b[i] = total
-    for i in range(count - 1, -1, -1):
-        total = b[i]
-        for j in range(i + 1, count):
-            total -= matrix[i * STATES + j] * b[j]
-        b[i] = total * matrix[i * STATES + i]
-
-
-def _rodas3(p, time, current, direction, y, h, active, count, w) -> float:
-    """
-    Try one step of length `h` from `y`; the result is in w.trial.
-
-    Return the error estimate relative to the tolerance. w.rates and w.jacobian hold the
-    derivatives at `y`.
-    """
-    _factorise(w.jacobian, 2.0 / h, count, w.matrix)
-    for i in range(count):
-        w.k1[i] = w.rates[active[i]]
-    _solve(w.matrix, count, w.k1)
-    for i in range(count):
-        w.k2[i] = w.rates[active[i]] + 4.0 / h * w.k1[i]
-    _solve(w.matrix, count, w.k2)
-    for i in range(STATES):
-        w.trial[i] = y[i]
-    for i in range(count):
-        w.trial[active[i]] += 2.0 * w.k1[i]
-    derivatives(p, time, current, direction, w.trial, w.stage_rates)
-    for i in range(count):
-        w.k3[i] = w.stage_rates[active[i]] + (w.k1[i] - w.k2[i]) / h
-    _solve(w.matrix, count, w.k3)
-    for i in range(count):
-        w.trial[active[i]] += w.k3[i]
-    derivatives(p, time, current, direction, w.trial, w.stage_rates)
-    for i in range(count):
-        w.k4[i] = w.stage_rates[active[i]] + (w.k1[i] - w.k2[i] - 8.0 / 3.0 * w.k3[i]) / h
-    _solve(w.matrix, count, w.k4)
-    error = 0.0
-    for i in range(count):
-        state = active[i]
-        w.trial[state] += w.k4[i]
-        error = max(error, abs(w.k4[i]) / TOLERANCE[state])
-    return error
-
-
-def _step_factor(error: float) -> float:
+def _step_factor(error: float, explicit: bool) -> float:
     """Return by what to multiply the step for an error just within the tolerance."""
-    return min(max(0.9 * (max(error, 1e-9)) ** (-1.0 / 3.0), 0.2), 5.0)
+    order = EXPLICIT_ORDER if explicit else IMPLICIT_ORDER
+    return min(max(0.9 * max(error, 1e-9) ** (-1.0 / order), 0.2), 5.0)
 
 
-def _event(p, time, current, direction, y) -> float:
+def _step_to_breakaway(p, time, current, y, step, active, count, w) -> float:
     """
-    Return a quantity that rises through zero when the stem's regime ends.
+    Shorten the step so that a stuck stem is just about to slide; the result is in w.trial.
 
-    While sliding: velocity against the direction, m/s. While stuck: force beyond break-away, N, by
-    so much that a stem which is found there does slide.
+    False position, as the force runs nearly straight over a step. It goes beyond break-away by so
+    much that a stem which is found there does slide.
     """
-    if direction != 0.0:
-        return -y[VELOCITY] * direction
-    return breakaway_excess(p, time, current, y) - EVENT_FORCE
-
-
-def _step_to_event(p, time, current, direction, y, step, active, count, w) -> float:
-    """
-    Shorten the step so that it ends where the regime does; the result is in w.trial.
-
-    False position with the Illinois weights: stick-slip is sensitive to when and where the stem
-    stops, so the crossing is found far better than a step's error.
-    """
-    early, before = 0.0, _event(p, time, current, direction, y)
-    late, after = step, _event(p, time, current, direction, w.trial)
-    enough = EVENT_VELOCITY if direction != 0.0 else EVENT_FORCE
+    early, before = 0.0, breakaway_excess(p, time, current, y) - EVENT_FORCE
+    late, after = step, breakaway_excess(p, time, current, w.trial) - EVENT_FORCE
     middle = late
-    for _ in range(EVENT_TRIALS if before < 0.0 else 0):
+    for _ in range(EVENT_TRIALS if before < 0.0 < after else 0):
         middle = early + (late - early) * before / (before - after)
-        _rodas3(p, time, current, direction, y, middle, active, count, w)
-        value = _event(p, time, current, direction, w.trial)
-        if abs(value) < enough:
+        implicit_step(p, time, current, 0.0, y, middle, active, count, w)
+        excess = breakaway_excess(p, time, current, w.trial) - EVENT_FORCE
+        if abs(excess) < 0.9 * EVENT_FORCE:
             break
-        if value > 0.0:
-            late, after = middle, value
-            before *= 0.5
+        if excess > 0.0:
+            late, after = middle, excess
         else:
-            early, before = middle, value
-            after *= 0.5
+            early, before = middle, excess
     if before >= 0.0 or middle < SHORTEST_EVENT:
         middle = SHORTEST_EVENT
-        _rodas3(p, time, current, direction, y, middle, active, count, w)
+        implicit_step(p, time, current, 0.0, y, middle, active, count, w)
     return middle
+
+
+def _zero_crossing(start: float, slope: float, end: float, end_slope: float) -> float:
+    """
+    Return where in 0..1 the cubic falls through zero that has these values and slopes at 0 and 1.
+
+    `start` and `end` have different signs. Bisection: twenty halvings outdo the cubic itself.
+    """
+    low, high = 0.0, 1.0
+    for _ in range(20):
+        s = 0.5 * (low + high)
+        value = ((1.0 - s) * (1.0 - s) * ((1.0 + 2.0 * s) * start + s * slope)
+                 + s * s * ((3.0 - 2.0 * s) * end - (1.0 - s) * end_slope))
+        if value * start > 0.0:
+            low = s
+        else:
+            high = s
+    return high
+
+
+def _step_to_rest(p, time, current, direction, y, step, explicit, active, count, w) -> float:
+    """Shorten the step so that it ends where a sliding stem stops; the result is in w.trial."""
+    derivatives(p, time + step, current, direction, w.trial, w.stage_rates)
+    share = _zero_crossing(
+        y[VELOCITY], step * w.rates[VELOCITY], w.trial[VELOCITY], step * w.stage_rates[VELOCITY])
+    step = max(share * step, min(step, SHORTEST_EVENT))
+    _try_step(p, time, current, direction, y, step, explicit, active, count, w)
+    return step
 
 
 def advance(
@@ -204,49 +129,68 @@ def advance(
     smallest = length / FINEST_DIVISION
     dry = sticks(p) and count > 0 and active[count - 1] == VELOCITY
     left = length
+    rates_known = False
     while left > 0.0:
         direction = 0.0
         moving = count
         if dry:
-            if memory[DIRECTION] == 0.0:
+            if memory[DIRECTION] == 0.0 and breakaway_excess(p, time, current, y) > ROUNDING:
                 memory[DIRECTION] = slip_direction(p, time, current, y)
-                if memory[DIRECTION] != 0.0:
-                    memory[TRIAL_STEP] = FIRST_SLIP_STEP
+                memory[TRIAL_STEP] = FIRST_SLIP_STEP
+                memory[STIFFNESS] = 0.0
             direction = memory[DIRECTION]
             if direction == 0.0:
                 y[VELOCITY] = 0.0
                 moving = count - 2
-        derivatives(p, time, current, direction, y, w.rates)
-        _jacobian(p, time, current, direction, y, active, moving, w)
+        if not rates_known:
+            derivatives(p, time, current, direction, y, w.rates)
         step = min(memory[TRIAL_STEP], left)
+        if direction != 0.0:
+            step = min(step, max(friction_time_scale(p, y, w.rates), smallest))
+        explicit = (direction != 0.0 and step <= LONGEST_EXPLICIT
+                    and memory[STIFFNESS] < STIFF_STEPS)
+        if not explicit:
+            fill_jacobian(p, time, current, direction, y, active, moving, w)
         tried = step
-        error = _rodas3(p, time, current, direction, y, step, active, moving, w)
+        error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
         while not error <= tolerance and step > smallest:
-            step = max(step * min(_step_factor(error / tolerance), 0.5), smallest)
-            error = _rodas3(p, time, current, direction, y, step, active, moving, w)
+            step = max(step * min(_step_factor(error / tolerance, explicit), 0.7), smallest)
+            error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
         if math.isnan(error):
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
             return
         whole = step == tried
-        proposal = step * _step_factor(error / tolerance)
+        proposal = step * _step_factor(error / tolerance, explicit)
+        if explicit and contraction(active, moving, w) > STIFF:
+            memory[STIFFNESS] += 1.0
 
         landed = False
         if direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
             landed = True
             if y[VELOCITY] * direction > 0.0:
-                step = _step_to_event(p, time, current, direction, y, step, active, moving, w)
+                step = _step_to_rest(
+                    p, time, current, direction, y, step, explicit, active, moving, w)
             else:
                 # it would not even get going: stuck over this step, though barely
-                _rodas3(p, time, current, 0.0, y, step, active, count - 2, w)
+                fill_jacobian(p, time, current, 0.0, y, active, count - 2, w)
+                implicit_step(p, time, current, 0.0, y, step, active, count - 2, w)
         elif dry and direction == 0.0 and breakaway_excess(p, time, current, w.trial) > 0.0:
-            step = _step_to_event(p, time, current, direction, y, step, active, moving, w)
+            step = _step_to_breakaway(p, time, current, y, step, active, moving, w)
 
         for i in range(STATES):
             y[i] = w.trial[i]
+        rates_known = explicit and not landed
+        if rates_known:
+            for i in range(STATES):
+                w.rates[i] = w.stage_rates[i]
+        # a step cut short by an event or by the end of the interval says nothing against long ones
+        memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP]) if whole else proposal
         if landed:
             y[VELOCITY] = 0.0
             memory[DIRECTION] = 0.0
-        # a step cut short by an event or by the end of the interval says nothing against long ones
-        memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP]) if whole else proposal
+            memory[TRIAL_STEP] = length  # what was fast has come to rest
         left = left - step if left - step > 1e-12 * length else 0.0
         time += step
+
+
+__all__ = ['Workspace', 'advance', 'new_workspace']

@@ -7,6 +7,7 @@ The state is a sequence of floats in the order of the indices below. States whos
 switched off stand still and cost nothing: the solver integrates the `active_states` only.
 """
 
+import math
 from typing import NamedTuple
 
 from . import discrepancy as term
@@ -27,9 +28,11 @@ STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_p
                'gas_temperature', 'valve_position', 'stem_velocity')
 
 # What is remembered from one interval to the next besides the state: the stem's direction of
-# sliding (0 stuck or no dry friction), the solver's next trial step, the plays and the sensors.
-DIRECTION, TRIAL_STEP, EP_PLAY, LAGGED_PRESSURE, LAGGED_POSITION, POSITION_PLAY = range(6)
-MEMORIES = 6
+# sliding (0 stuck or no dry friction), the solver's next trial step, how often the present slide
+# has been found stiff, the plays and the sensors.
+(DIRECTION, TRIAL_STEP, STIFFNESS, EP_PLAY, LAGGED_PRESSURE, LAGGED_POSITION,
+ POSITION_PLAY) = range(7)
+MEMORIES = 7
 
 
 class PositionerParameters(NamedTuple):
@@ -208,6 +211,23 @@ def slip_direction(p: PositionerParameters, time: float, current: float, y) -> f
     return 1.0 if force > 0.0 else -1.0
 
 
+def friction_time_scale(p: PositionerParameters, y, rates) -> float:
+    """
+    Return how long the stem takes, s, to a friction that its present one tells nothing about.
+
+    While stiction fades: to twice the speed. While the stem slows down: to where stiction sets in,
+    which is within 2 Stribeck velocities, then to 1 less. An error estimate can miss a peak of
+    friction that a longer step jumps over.
+    """
+    fading = p.actuator.stribeck_velocity
+    speed, change = abs(y[VELOCITY]), rates[VELOCITY]
+    if p.actuator.stiction == 0.0 or change == 0.0:
+        return math.inf
+    if y[VELOCITY] * change >= 0.0:
+        return max(speed, 0.01 * fading) / abs(change) if speed < 3.0 * fading else math.inf
+    return max(speed - 2.0 * fading, fading) / abs(change)
+
+
 def breakaway_excess(p: PositionerParameters, time: float, current: float, y) -> float:
     """Return by how much the force on a stem at rest exceeds the break-away friction, N."""
     return abs(net_stem_force(p, time, current, y)) - breakaway_friction(
@@ -242,6 +262,7 @@ def start_memory(p: PositionerParameters, current: float, y, first_step: float, 
     """Fill the memory for a positioner that has been in state `y` for long."""
     memory[DIRECTION] = 0.0
     memory[TRIAL_STEP] = first_step
+    memory[STIFFNESS] = 0.0
     memory[EP_PLAY] = current
     memory[LAGGED_PRESSURE] = y[CHAMBER]
     memory[POSITION_PLAY] = y[POSITION]
