@@ -79,8 +79,8 @@ def test_nothing_leaves_physics(sizes, effects, law, levels):
     assert run['chamber_pressure'].min() > -101_325.0
     for name in ('chamber_pressure', 'outlet_pressure'):
         assert run[name].max() < supply + slack, name
-    assert run['back_pressure'].min() >= -1e-6
-    assert run['back_pressure'].max() <= supply + 1.0
+    assert run['back_pressure'].min() >= -5.0  # the tolerance of the solver
+    assert run['back_pressure'].max() <= supply + 5.0
     assert run['supply_pressure'].min() > 0.0
     travel = p.actuator.travel
     assert run['valve_position'].min() > -0.05 * travel
