@@ -135,5 +135,9 @@ def parameter_text(
 
 def _scalar(value: Any) -> str:
     """Return a value as YAML; floats always with a point, which YAML 1.1 readers want."""
-    plain = list(value) if isinstance(value, tuple) else value
+    plain: Any = value
+    if isinstance(value, tuple):
+        plain = [float(element) for element in value]
+    elif not isinstance(value, str):
+        plain = float(value)  # a fit's numbers are numpy's
     return yaml.safe_dump([plain], default_flow_style=True, width=10_000).strip()[1:-1]

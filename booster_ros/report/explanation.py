@@ -9,7 +9,11 @@ import numpy as np
 
 Array = np.ndarray
 
-_BINS = 20
+_MOST_BINS = 20
+_ROWS_PER_BIN = 8
+
+WORTH_SHOWING = 0.1
+"""Share of the variance below which a variable explains nothing that an eye would see."""
 
 
 @dataclass(frozen=True)
@@ -24,11 +28,12 @@ def best_explanation(residual: Array, variables: Mapping[str, Array]) -> Explana
     """
     Return the variable over which the residual has the clearest mean curve (correlation ratio).
 
+    None where no variable explains a share that is worth a picture.
     A picture's axis, not a test: which effect it is has been decided by fits, not by this.
     """
     found = [Explanation(name, explained_share(residual, values))
              for name, values in variables.items()]
-    found = [one for one in found if np.isfinite(one.share)]
+    found = [one for one in found if one.share >= WORTH_SHOWING]
     return max(found, key=lambda one: one.share) if found else None
 
 
@@ -36,7 +41,7 @@ def explained_share(residual: Array, variable: Array) -> float:
     """Return the share of variance between bins of equally many rows; NaN where it is constant."""
     known = np.isfinite(residual) & np.isfinite(variable)
     residual, variable = residual[known], variable[known]
-    if len(residual) < 3 * _BINS or np.ptp(variable) == 0.0 or np.ptp(residual) == 0.0:
+    if len(residual) < 3 * _ROWS_PER_BIN or np.ptp(variable) == 0.0 or np.ptp(residual) == 0.0:
         return float('nan')
     middles, means, counts = binned_mean(variable, residual)
     if len(middles) < 2:
@@ -49,7 +54,8 @@ def binned_mean(x: Array, y: Array) -> tuple[Array, Array, Array]:
     """Return middle, mean and count of bins of x that hold about equally many finite points."""
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
-    edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, _BINS + 1)))
+    bins = min(_MOST_BINS, len(x) // _ROWS_PER_BIN)
+    edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, bins + 1))) if bins else x[:0]
     if len(edges) < 2:
         return np.array([]), np.array([]), np.array([])
     place = np.clip(np.searchsorted(edges, x, side='right') - 1, 0, len(edges) - 2)

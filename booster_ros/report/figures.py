@@ -21,19 +21,23 @@ Array = np.ndarray
 
 _COLOURS = (BEFORE, AFTER)
 
+_SMALLEST_RATIO = 0.3
+"""Errors are drawn as at least this many times the noise: less means nothing."""
+
 
 def error_ladder(errors: list[tuple[str, ChannelError]], labels: dict[str, str]) -> Figure:
     """
     Draw errors as multiples of the noise, a row for each channel and part of the data.
 
-    `labels` holds the words for the stages 'declared', 'before' and 'after' that are shown.
+    `labels` holds the words for the stages ('declared', 'before', 'after') to show, worst first.
     """
     figure = blank(0.75 + 0.34 * len(errors))
     axes = figure.subplots()
-    marks = {'declared': ('o', 'white', '#666666'), 'before': ('o', BEFORE, BEFORE),
-             'after': ('D', AFTER, AFTER)}
+    styles = (('o', 'white', '#666666'), ('o', BEFORE, BEFORE), ('D', AFTER, AFTER))
+    marks = dict(zip(labels, styles[-len(labels):]))
     for row, (_, error) in enumerate(errors):
-        ratios = {stage: getattr(error, stage) / error.noise for stage in labels}
+        ratios = {stage: max(getattr(error, stage) / error.noise, _SMALLEST_RATIO)
+                  for stage in labels}
         known = [value for value in ratios.values() if np.isfinite(value)]
         if known:
             axes.plot([min(known), max(known)], [row, row], color='#c8c8c8', linewidth=1.5,

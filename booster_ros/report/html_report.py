@@ -127,7 +127,9 @@ def _residuals(view: View) -> str:
                       'hint'),
             figure(svg(figures.residuals_over_variable(view, variables), 'explained'),
                    'Residuals of both models over the variable that explains them best')]
-    return section('What the model misses', *content) if content else ''
+    else:
+        content.append(paragraph('No single variable explains a tenth of it.', 'hint'))
+    return section('What the model misses', *content)
 
 
 def _capital(text: str) -> str:
@@ -140,6 +142,9 @@ def _explaining(view: View, name: str) -> str | None:
     if unknown is not None and unknown.variable in VARIABLES:
         return unknown.variable
     states = {variable: view.states[variable] for variable in VARIABLES}
+    if view.diagnosis.experiment.quasi_static:
+        # over its driver a sweep has been shown, and nothing in it has a velocity
+        states = {v: x for v, x in states.items() if v not in (view.driver, 'stem_velocity')}
     found = best_explanation(view.residual(view.stages[0], name), states)
     return found.variable if found else None
 

@@ -94,7 +94,7 @@ def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) ->
             number_cell(scale.text(one.given, 4), si_text(one.given, one.unit, 4))]
         for stage in stages:
             value = getattr(one, stage)
-            away = (value - one.given) / one.spread if one.spread else 0.0
+            away = round((value - one.given) / one.spread, 1) + 0.0  # no minus zero
             cells.append(number_cell(scale.text(value, 4), f'{away:+.1f} σ'.replace('-', '−')))
         rows.append(row(cells))
     return table(['declared parameter', 'as given', *stages.values()], rows)

@@ -1,0 +1,268 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the report says, checked against the diagnosis it was made from."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+import json
+import re
+
+from made_diagnosis import (
+    FRICTION,
+    STICKING,
+    diagnosis_of,
+    friction_found,
+    friction_found_in_a_sweep,
+    nothing_found,
+    timed_columns,
+    unknown_found,
+)
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.result import ChannelError
+from booster_ros.model.parameters import from_values
+from booster_ros.parameters.file import read_parameter_file
+from booster_ros.report.engineering import number, scale_of, si_text
+from booster_ros.report.explanation import best_explanation, explained_share
+from booster_ros.report.figure_style import envelope
+from booster_ros.report.html_report import html_page
+from booster_ros.report.json_report import json_text
+from booster_ros.report.parameter_files import write_parameter_files
+from booster_ros.report.provenance import Provenance
+from booster_ros.report.wording import verdict_sentences, verdict_title
+
+FROM = Provenance('plant.csv', 'declared.yaml')
+VOID = {'meta', 'link', 'br', 'img', 'input', 'hr'}
+
+
+class Page(HTMLParser):
+    """A page taken apart: its texts, ids and what it refers to; fails where tags do not match."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.texts, self.ids, self.references, self.tags = [], [], [], [], []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        for name, value in attributes:
+            if name == 'id':
+                self.ids.append(value)
+            if name in ('href', 'src', 'xlink:href'):
+                self.references.append(value)
+            self.references += re.findall(r'url\(([^)]*)\)', value or '')
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != 'style':
+            self.texts.append(' '.join(data.split()))
+
+    @property
+    def text(self):
+        return ' '.join(filter(None, self.texts))
+
+
+MADE = {
+    'effect': friction_found,
+    'none': nothing_found,
+    'unknown': unknown_found,
+    'sweep': friction_found_in_a_sweep,
+    'pressure only': lambda: without('valve_position'),
+    'position only': lambda: without('chamber_pressure'),
+}
+
+
+def without(column):
+    """Return a diagnosis of a record that lacks a column."""
+    columns = timed_columns(STICKING)
+    del columns[column]
+    return diagnosis_of(columns, 'effect', STICKING, (FRICTION,))
+
+
+@pytest.fixture(scope='module', params=MADE)
+def made(request):
+    """Return a diagnosis and its page."""
+    diagnosis = MADE[request.param]()
+    return diagnosis, html_page(diagnosis, FROM)
+
+
+def test_a_page_is_whole_self_contained_and_light(made):
+    _, text = made
+    page = Page(text)
+    assert len(page.ids) == len(set(page.ids))
+    local = {f'#{name}' for name in page.ids}
+    for reference in page.references:
+        assert reference in local or reference.startswith('data:image/png;base64,')
+    assert not {'script', 'link', 'iframe', 'img'} & set(page.tags)
+    assert len(text.encode()) < 1.5e6
+    assert not re.search(r'\bnan\b|\binf\b|None', page.text)
+
+
+def test_a_page_begins_with_the_verdict_and_shows_every_error(made):
+    diagnosis, text = made
+    page = Page(text)
+    assert page.texts.index(verdict_title(diagnosis)) < page.texts.index(
+        'How far off, before and after')
+    for sentence in verdict_sentences(diagnosis):
+        assert sentence in page.text
+    stages = ['declared', 'before'] + ['after'] * (diagnosis.verdict != 'none')
+    for errors in (diagnosis.error, diagnosis.held_out):
+        for error in errors.values():
+            for stage in (*stages, 'noise'):
+                assert scale_of(error.unit).text(getattr(error, stage)) in page.texts
+
+
+def test_a_page_says_what_was_dropped_how_it_was_split_and_what_scaling_hides(made):
+    diagnosis, text = made
+    page = Page(text)
+    for note in diagnosis.notes:
+        assert note in page.text
+    for role in ('fit', 'select', 'test'):
+        rows = sum(s.last - s.first for s in diagnosis.segments if s.role == role)
+        assert f'({rows} rows)' in page.text
+    assert 'leaves every pressure and position unchanged' in page.text
+
+
+def test_the_page_shows_suspects_intervals_and_what_is_not_told_apart():
+    page = Page(html_page(friction_found(), FROM))
+    assert '41 times the squared error of the choice' in page.texts
+    assert '480 to 520 N' in page.texts
+    assert 'This record cannot tell stem friction from position backlash.' in page.texts
+    assert 'slow triangle with dither' in page.text
+
+
+@pytest.mark.parametrize(('name', 'shown'), [
+    ('effect', True), ('pressure only', False), ('position only', False)])
+def test_the_signature_is_shown_where_pressure_and_position_are_known(name, shown):
+    assert ('Valve signature' in Page(html_page(MADE[name](), FROM)).texts) == shown
+
+
+def test_a_sweep_is_not_drawn_over_a_time_that_it_does_not_have():
+    page = Page(html_page(friction_found_in_a_sweep(), FROM))
+    assert 'time, s' not in page.texts
+    assert 'chamber pressure, kPa' in page.texts
+
+
+def test_an_unnamed_term_is_shown_with_its_variable_place_and_range():
+    diagnosis = unknown_found()
+    page = Page(html_page(diagnosis, FROM))
+    assert 'something in the stem' in verdict_title(diagnosis)
+    assert 'function of the valve position from 0 mm to 16.0 mm' in page.text
+
+
+def test_a_page_is_the_same_when_made_again():
+    diagnosis = friction_found()
+    assert html_page(diagnosis, FROM) == html_page(diagnosis, FROM)
+
+
+def test_a_name_of_a_file_cannot_break_the_page():
+    text = html_page(nothing_found(), Provenance('<b>&"$x.csv', 'p$.yaml'))
+    assert '<b>&"$x.csv explained by p$.yaml' in Page(text).texts
+
+
+def test_none_short_of_the_noise_does_not_claim_that_the_model_is_enough():
+    diagnosis = nothing_found()
+    worse = {name: replace(error, before=3.0 * error.noise, after=3.0 * error.noise)
+             for name, error in diagnosis.held_out.items()}
+    text = ' '.join([verdict_title(diagnosis), *verdict_sentences(diagnosis)])
+    assert 'enough' in text
+    diagnosis = replace(diagnosis, held_out=worse)
+    text = ' '.join([verdict_title(diagnosis), *verdict_sentences(diagnosis)])
+    assert 'enough' not in text
+    assert 'more than noise' in text
+
+
+def test_json_holds_what_others_rely_on(made):
+    diagnosis, _ = made
+    report = json.loads(json_text(diagnosis, FROM))
+    assert report['verdict'] == diagnosis.verdict
+    for part in ('error', 'held_out'):
+        for name, error in getattr(diagnosis, part).items():
+            assert report[part][name] == {
+                'unit': error.unit, 'declared': error.declared, 'before': error.before,
+                'after': error.after, 'noise': error.noise}
+    for effect, found in zip(report['effects'], diagnosis.effects, strict=True):
+        assert effect['name'] == found.name
+        assert effect['location'] == found.location
+        assert effect['confused_with'] == list(found.confused_with)
+        assert effect['separating_experiment'] == found.separating_experiment
+        for name, interval in found.parameters.items():
+            assert effect['parameters'][name] == {
+                'value': interval.value, 'low': interval.low, 'high': interval.high,
+                'unit': interval.unit}
+
+
+def test_json_writes_null_for_what_is_no_number():
+    diagnosis = replace(nothing_found(), validation={
+        'chamber_pressure': ChannelError('Pa', 1.0, float('nan'), float('inf'), 2.0)})
+    error = json.loads(json_text(diagnosis, FROM))['validation']['chamber_pressure']
+    assert error == {'unit': 'Pa', 'declared': 1.0, 'before': None, 'after': None, 'noise': 2.0}
+
+
+def test_the_parameter_files_are_the_models_of_the_diagnosis(tmp_path):
+    for diagnosis in (friction_found(), unknown_found()):
+        write_parameter_files(tmp_path, diagnosis, FROM)
+        for file, model in (('positioner.yaml', diagnosis.after),
+                            ('positioner_before.yaml', diagnosis.before)):
+            assert from_values(read_parameter_file(tmp_path / file).physical) == model
+
+
+def test_the_parameter_file_marks_what_was_added(tmp_path):
+    write_parameter_files(tmp_path, friction_found(), FROM)
+    after = (tmp_path / 'positioner.yaml').read_text()
+    assert re.search(r'coulomb_friction: 500\.0 +# N; ADDED: stem_friction, 95 % between 480', after)
+    assert 'ADDED' not in (tmp_path / 'positioner_before.yaml').read_text()
+
+
+@pytest.mark.parametrize(('value', 'digits', 'text'), [
+    (0.0, 3, '0'), (151.26, 3, '151'), (0.99999, 3, '1.00'), (-0.01234, 3, '−0.0123'),
+    (123456.7, 4, '123\u2009500'), (2.75e-6, 3, '2.75 × 10⁻⁶'), (5.4034e8, 4, '5.403 × 10⁸'),
+    (float('nan'), 3, '–'), (9.996, 3, '10.0'),
+])
+def test_numbers_have_significant_digits(value, digits, text):
+    assert number(value, digits) == text
+
+
+@pytest.mark.parametrize(('value', 'unit', 'people', 'physics'), [
+    (2.703e5, 'Pa', '270 kPa', '270\u2009000 Pa'), (8.1e-6, 'm', '8.10 µm', '8.10 × 10⁻⁶ m'),
+    (0.0128, 'm', '12.8 mm', '0.0128 m'), (0.4524e-3, 'A', '0.452 mA', '0.000452 A'),
+    (2.75e-6, 'm^2/N', '2.75 mm²/N', '2.75 × 10⁻⁶ m²/N'), (2e7, 'Pa s/kg', '20.0 kPa/(g/s)',
+     '2.00 × 10⁷ Pa·s/kg'), (1.3, '-', '1.30', '1.30'), (550.0, 'N', '550 N', '550 N'),
+])
+def test_units_are_those_of_the_plant_beside_those_of_physics(value, unit, people, physics):
+    assert scale_of(unit).text(value) == people
+    assert si_text(value, unit) == physics
+
+
+def test_the_variable_that_a_residual_depends_on_is_found():
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(-1.0, 1.0, (2, 2000))
+    residual = x**2 + 0.1 * rng.standard_normal(2000)
+    found = best_explanation(residual, {'x': x, 'y': y, 'constant': np.ones(2000)})
+    assert found.variable == 'x'
+    assert found.share == pytest.approx(np.var(x**2) / np.var(residual), abs=0.05)  # bins cost a little
+    assert explained_share(residual, y) < 0.05
+    assert best_explanation(rng.standard_normal(2000), {'x': x, 'y': y}) is None
+
+
+def test_a_thinned_line_keeps_its_peaks_and_its_gaps():
+    y = np.zeros(100_000)
+    y[41_234], y[77_001] = 5.0, -3.0
+    y[50_000:60_000] = np.nan
+    x, thinned = envelope(np.arange(100_000.0), y)
+    assert len(x) < 2000
+    assert (np.nanmax(thinned), np.nanmin(thinned)) == (5.0, -3.0)
+    assert np.isnan(thinned[(x > 51_000) & (x < 59_000)]).all()
+    assert (np.diff(x) >= 0.0).all()
