@@ -1,0 +1,47 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The model's documentation names every effect and parameter as the code has them."""
+
+from pathlib import Path
+import re
+
+import pytest
+
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.parameters import DESCRIPTIONS
+
+DOCS = Path(__file__).resolve().parent.parent / 'docs'
+TEXT = (DOCS / 'model.md').read_text()
+ROWS = {
+    cells[1].strip(' `'): cells[2:]
+    for cells in (line.split(' | ') for line in
+                  re.findall(r'^\| `.*\|$', TEXT, flags=re.MULTILINE))
+    for cells in [['', cells[0].lstrip('| '), *cells[1:]]]
+}
+
+
+def test_every_effect_has_a_row():
+    assert set(ROWS) == set(EFFECTS)
+
+
+@pytest.mark.parametrize('name', EFFECTS)
+def test_location_parameters_units_and_source(name):
+    location, _, parameters, source = ROWS[name]
+    effect = EFFECTS[name]
+    assert location == effect.location
+    assert source.rstrip(' |') == effect.source
+    for knob in effect.knobs:
+        unit = DESCRIPTIONS[knob.parameter].unit
+        assert f'`{knob.parameter}` ({knob.neutral:g} {unit})' in parameters
+
+
+def test_every_parameter_of_an_effect_is_explained():
+    for name, description in DESCRIPTIONS.items():
+        if description.source == 'neutral: no effect' and not name.startswith('discrepancy'):
+            assert f'`{name}`' in TEXT, name
+
+
+def test_pictures_are_there():
+    for page in ('model.md', 'paper.md', 'accuracy.md'):
+        for picture in re.findall(r'\]\((images/[^)]+)\)', (DOCS / page).read_text()):
+            assert (DOCS / picture).exists(), picture
