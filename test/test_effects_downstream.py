@@ -112,6 +112,32 @@ def test_heat_overshoots_then_relaxes_to_a_plateau(from_pressure, current, sign)
     assert shut['gas_temperature'][-1] == pytest.approx(293.15, abs=0.02)
 
 
+def test_heat_leaves_with_the_time_constant_of_gas_and_wall():
+    """At constant volume T falls exponentially with m c_v R_th, and pressure with it."""
+    resistance = 20.0
+    time = rows(40.0)
+    start = {'chamber_pressure': 100e3, 'gas_temperature': 323.15}
+    run = simulate(
+        positioner({'actuator.thermal_resistance': resistance, 'booster.max_area': 0.0}),
+        time, np.zeros_like(time), start)
+    mass = (100e3 + ATMOSPHERE) * 0.185e-3 / (287.0 * 323.15)
+    excess = 30.0 * np.exp(-time / (mass * 287.0 / 0.4 * resistance))
+    assert run['gas_temperature'] - 293.15 == pytest.approx(excess, abs=0.2)
+    gas_law = (100e3 + ATMOSPHERE) * run['gas_temperature'] / 323.15 - ATMOSPHERE
+    # the end stop gives way a little, with the pressure
+    assert run['chamber_pressure'] == pytest.approx(gas_law, abs=400.0)
+
+
+def test_a_polytropic_chamber_answers_n_times_as_fast_at_constant_volume():
+    time = rows(0.5, 1e-3)
+    current = np.full_like(time, 1e-3)
+    rates = [
+        np.gradient(simulate(
+            positioner({'actuator.polytropic_index': n}), time, current, {'back_pressure': 400e3}
+        )['chamber_pressure'], time)[5] for n in (1.0, 1.3)]
+    assert rates[1] / rates[0] == pytest.approx(1.3, rel=0.02)
+
+
 def test_dead_volume_change_slows_the_closed_stem_only():
     added = 0.2e-3
     time = rows(30.0)
