@@ -166,5 +166,3 @@ def test_only_a_paused_positioner_steps(bench):
     response = bench.trigger('step')
     assert not response.success
     assert '~/pause' in response.message
-
-

@@ -169,5 +169,3 @@ def test_the_clock_can_be_chosen_while_the_node_runs(ros_client):
         assert bench.set(use_sim_time=False).successful
         ros_client.spin_until(lambda: stamp_of(pressures[-1]) > 1_000_000 * SECOND)
         assert node.interrupt() == 0, node.output
-
-

@@ -103,4 +103,3 @@ def _progress(response: np.ndarray, final: float | None) -> np.ndarray:
     if not abs(height) > 0.0:
         raise ValueError('the response ends where it began, so it has no step indices')
     return np.asarray((response - response[0]) / height)
-
