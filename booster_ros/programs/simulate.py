@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 import sys
 
@@ -73,14 +74,28 @@ def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
 
     RecordError where either cannot be read or written; `target` is then left as it was.
     """
-    with CsvWriter(target, tuple(OUTPUT)) as writer, _progress(source) as bar:
+    with (
+        CsvWriter(target, tuple(OUTPUT)) as writer,
+        _progress(source) as bar,
+        ThreadPoolExecutor(1) as worker,
+    ):
         stream = None
+        simulated: Future[dict[str, np.ndarray]] | None = None
         for time, current, initial in _portions(source):
             if stream is None:
                 stream = Stream(parameters, float(time[0]), float(current[0]), initial)
-            seen = stream.advance(time, current)
-            writer.write_rows(np.column_stack([seen[name] for name in OUTPUT.values()]))
-            bar.update(len(time))
+            # machine code needs no interpreter: meanwhile the portion before is written
+            following = worker.submit(stream.advance, time, current)
+            if simulated is not None:
+                _write(simulated.result(), writer, bar)
+            simulated = following
+        if simulated is not None:
+            _write(simulated.result(), writer, bar)
+
+
+def _write(seen: dict[str, np.ndarray], writer: CsvWriter, bar: tqdm) -> None:
+    writer.write_rows(np.column_stack([seen[name] for name in OUTPUT.values()]))
+    bar.update(len(seen['time']))
 
 
 def _check_columns(source: Path) -> None:
