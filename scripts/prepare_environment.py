@@ -112,10 +112,10 @@ def install(packages: list[str], ros: str | None) -> None:
         assert pip.stdout is not None
         for line in pip.stdout:
             output.append(line)
-            if line.startswith(('Collecting', 'Requirement already')):
+            if line.startswith('Collecting'):
                 seen += 1
                 if seen % 20 == 0:
-                    print(f'  {seen} of {len(packages)} packages fetched', flush=True)
+                    print(f'  {seen} packages fetched', flush=True)
             elif line.startswith('Installing'):
                 print('  unpacking them', flush=True)
     if pip.returncode != 0:

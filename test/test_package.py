@@ -3,6 +3,7 @@
 """The ROS package: built with colcon, installed, and started from where it is installed."""
 
 import ast
+import os
 from pathlib import Path
 import re
 import shlex
@@ -49,8 +50,7 @@ class Workspace:
 @pytest.fixture(scope='module')
 def workspace(tmp_path_factory) -> Workspace:
     folder = tmp_path_factory.mktemp('workspace')
-    search_path = f'{Path(sys.executable).parent}:/usr/bin:/usr/local/bin'
-    colcon = shutil.which('colcon', path=search_path)
+    colcon = shutil.which('colcon', path=f'{Path(sys.executable).parent}:{os.environ["PATH"]}')
     assert colcon, 'colcon is not installed'
     built = subprocess.run(
         [colcon, '--log-base', 'log', 'build', '--paths', str(ROOT)],
