@@ -124,7 +124,9 @@ def _gain(diagnosis: Diagnosis) -> str:
         f'{channel_label(name)} from {scale_of(e.unit).text(e.before)} to '
         f'{scale_of(e.unit).text(e.after)} (noise {scale_of(e.unit).text(e.noise)})'
         for name, e in judged(diagnosis).items()]
-    return f'With it the error falls in {listing(parts)}, {_where(diagnosis)}.'
+    falls = all(e.after < e.before for e in judged(diagnosis).values())
+    verb = 'falls' if falls else 'goes'
+    return f'With it the error {verb} in {listing(parts)}, {_where(diagnosis)}.'
 
 
 def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:

@@ -1,0 +1,45 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which effects an experiment can show at all.
+
+A measured channel that drives the model cuts off everything upstream of it, a sensor that was not
+recorded has no error, and a sweep without a clock knows no delays. Trying those effects anyway
+costs time and invites coincidences: in a sweep a lag looks like friction.
+"""
+
+from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.model.catalogue import EFFECTS, Effect
+
+_NEED_A_CLOCK = {'dead_time', 'ep_drift', 'supply_ripple', 'heat_transfer', 'position_sensor_lag',
+                 'pressure_sensor_lag'}
+
+_SENSED = {'position': 'valve_position', 'pressure': 'chamber_pressure'}
+"""The channel that an effect of a sensor shows in, by the first word of its name."""
+
+
+def applicable(experiment: Experiment) -> tuple[str, ...]:
+    """Return the names of the effects that can change what is compared in this experiment."""
+    return tuple(name for name, effect in EFFECTS.items() if _shows(effect, experiment))
+
+
+def _shows(effect: Effect, experiment: Experiment) -> bool:
+    if experiment.quasi_static and effect.name in _NEED_A_CLOCK:
+        return False
+    compared = experiment.channels
+    chamber_follows = 'chamber_pressure' not in experiment.pinned
+    if effect.location == 'sensor':
+        return _SENSED[effect.name.split('_')[0]] in compared
+    if effect.location == 'stem':
+        moves_what_follows = 'mass_flow' in compared and chamber_follows
+        return bool({'valve_position', 'chamber_pressure'} & {*compared}) or moves_what_follows
+    if effect.location == 'chamber':
+        return chamber_follows
+    commanded = 'control_current' in experiment.drives
+    if effect.location == 'ep_converter':
+        return commanded
+    # what is left is around the booster: it acts where something drives it and its flow counts
+    driven = commanded or 'back_pressure' in experiment.pinned
+    if effect.location == 'supply' and 'supply_pressure' in experiment.pinned:
+        return False
+    return driven and (chamber_follows or 'mass_flow' in compared)

@@ -1,0 +1,95 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Effects are tried where they can show, and left alone where a drive has cut them off."""
+
+from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.applicable import applicable
+from booster_ros.diagnosis.fit import put
+from booster_ros.diagnosis.preparation import prepare
+from booster_ros.model.catalogue import EFFECTS
+
+COLUMNS = timed_columns()
+ROWS = len(COLUMNS['time'])
+BACK = {'back_pressure': 244e3 + 5e3 * np.sin(COLUMNS['time'])}
+SUPPLY = {'supply_pressure': np.full(ROWS, 400e3)}
+FLOW = {'mass_flow': 1e-4 * np.cos(COLUMNS['time'])}
+
+
+def bench():
+    """Return the columns of a flow bench."""
+    back = np.tile(np.linspace(180e3, 200e3, 20), 2)
+    return {'back_pressure': back, 'supply_pressure': np.repeat([300e3, 400e3], 20),
+            'chamber_pressure': np.zeros(40), 'mass_flow': np.linspace(0.0, 1e-3, 40)}
+
+
+def only(*names):
+    return {name: COLUMNS[name] for name in names}
+
+
+RECORDS = {
+    'commanded': COLUMNS,
+    'commanded, supply known': COLUMNS | SUPPLY,
+    'pressure only': only('time', 'control_current', 'chamber_pressure'),
+    'from the back pressure': only('time', 'chamber_pressure', 'valve_position') | BACK | FLOW,
+    'signature in time': only('time', 'chamber_pressure', 'valve_position'),
+    'signature': swept_columns(),
+    'bench': bench(),
+    'isolated': only('time', 'chamber_pressure'),
+}
+
+
+@pytest.fixture(params=RECORDS)
+def experiment(request):
+    """Return a prepared record."""
+    return prepare(record_of(RECORDS[request.param]), DECLARED)
+
+
+def test_an_effect_that_is_left_out_would_have_changed_nothing(experiment):
+    cut_off = set(EFFECTS) - set(applicable(experiment))
+    if experiment.quasi_static or not experiment.drives:
+        # cut off for what they mean (no clock, an isolated chamber), not because nothing happens
+        kept_upstream = {name for name in applicable(experiment)
+                         if EFFECTS[name].location == 'ep_converter'}
+        assert not kept_upstream
+        return
+    still = experiment.predict(DECLARED)
+    for name in cut_off:
+        changed = DECLARED
+        for knob in EFFECTS[name].knobs:
+            changed = put(changed, knob.parameter, knob.typical)
+        moved = experiment.predict(changed)
+        for channel, values in still.items():
+            assert np.allclose(moved[channel], values, rtol=0.0,
+                               atol=0.2 * experiment.noise[channel]), (name, channel)
+
+
+def names(key):
+    return set(applicable(prepare(record_of(RECORDS[key]), DECLARED)))
+
+
+def located(*locations):
+    return {name for name, effect in EFFECTS.items() if effect.location in locations}
+
+
+def test_a_full_record_may_show_every_effect():
+    assert names('commanded') == set(EFFECTS)
+    assert set(EFFECTS) - names('commanded, supply known') == located('supply')
+
+
+def test_a_signature_shows_the_stem_and_its_sensor():
+    timed = located('stem') | {n for n in EFFECTS if n.startswith('position_') and 'friction' not
+                               in n}
+    assert names('signature in time') == timed
+    assert names('signature') == timed - {'position_sensor_lag'}
+
+
+def test_a_bench_shows_the_booster():
+    assert names('bench') == located('booster', 'tubing')
+
+
+def test_an_isolated_chamber_shows_itself():
+    assert names('isolated') == located('chamber', 'stem') | {
+        'pressure_sensor_lag', 'pressure_sensor_bias'}
