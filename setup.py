@@ -19,6 +19,8 @@ setup(
         ('share/' + package_name + '/config', glob('config/*')),
     ],
     install_requires=['setuptools'],
+    # By this colcon knows that the tests are pytest's.
+    extras_require={'test': ['pytest']},
     python_requires='>=3.10',
     zip_safe=False,
     maintainer='The booster_ros authors',
