@@ -28,6 +28,8 @@ ROSDEP_KEYS = {
     'tqdm': 'python3-tqdm',
     'yaml': 'python3-yaml',
 }
+# What the benchmark compares the model with, where it is installed; nothing else imports it.
+PEERS = {'sksundae'}
 # Needed by the launch files, which name it in substitutions and commands only.
 NOT_IMPORTED = {'ros2launch'}
 
@@ -36,6 +38,7 @@ class Workspace:
     """A colcon workspace in which the package has been built."""
 
     def __init__(self, folder: Path):
+        self.folder = folder
         self.prefix = folder / 'install' / 'booster_ros'
         self.setup = folder / 'install' / 'setup.bash'
 
@@ -47,20 +50,26 @@ class Workspace:
         return str(self.prefix / 'lib' / 'booster_ros' / name)
 
 
-@pytest.fixture(scope='module')
-def workspace(tmp_path_factory) -> Workspace:
-    folder = tmp_path_factory.mktemp('workspace')
-    colcon = shutil.which('colcon', path=f'{Path(sys.executable).parent}:{os.environ["PATH"]}')
-    assert colcon, 'colcon is not installed'
-    built = subprocess.run(
-        [colcon, '--log-base', 'log', 'build', '--paths', str(ROOT)],
+def colcon(folder: Path, verb: str, *arguments: str) -> str:
+    """Run colcon in a workspace and return what it printed."""
+    program = shutil.which('colcon', path=f'{Path(sys.executable).parent}:{os.environ["PATH"]}')
+    assert program, 'colcon is not installed'
+    done = subprocess.run(
+        [program, '--log-base', 'log', verb, *arguments],
         cwd=folder,
         capture_output=True,
         text=True,
         timeout=120,
         check=False,
     )
-    assert built.returncode == 0, built.stdout + built.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope='module')
+def workspace(tmp_path_factory) -> Workspace:
+    folder = tmp_path_factory.mktemp('workspace')
+    colcon(folder, 'build', '--paths', str(ROOT))
     return Workspace(folder)
 
 
@@ -82,7 +91,7 @@ def imported_modules(folder: Path) -> set[str]:
 
 def test_what_is_imported_is_declared_and_nothing_else():
     imported = imported_modules(ROOT / 'booster_ros') | imported_modules(ROOT / 'launch')
-    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'}
+    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'} - PEERS
     needed = {ROSDEP_KEYS.get(module, module) for module in foreign} | NOT_IMPORTED
     assert needed == {element.text for element in manifest().iter('exec_depend')}
 
@@ -140,6 +149,12 @@ def test_the_installed_positioner_publishes_and_ends_cleanly(workspace, ros_clie
         # The stem rests on its closed stop, which gives by micrometres.
         assert all(abs(message.data) < 1e-4 for message in positions)
         assert node.interrupt() == 0, node.output
+
+
+def test_colcon_test_finds_the_tests(workspace):
+    one = f'--pytest-args=test/test_package.py::{test_versions_agree.__name__}'
+    colcon(workspace.folder, 'test', '--paths', str(ROOT), '--return-code-on-test-failure', one)
+    assert 'Summary: 1 test, 0 errors, 0 failures' in colcon(workspace.folder, 'test-result')
 
 
 def launch_files() -> list[Path]:
