@@ -13,14 +13,15 @@ import itertools
 
 import numpy as np
 
+from booster_ros.diagnosis.applicable import applicable
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
-    FINALISTS, MOST_EFFECTS, THINNING, THINNING_FITS, Candidate, Search, at, clearly_better,
-    gain, preferred_first, told_apart)
+    EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, THINNING, THINNING_FITS, Candidate, Search,
+    at, clearly_better, gain, preferred_first, told_apart)
 from booster_ros.diagnosis.segments import rows_of, split
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, terms
 from booster_ros.model import discrepancy as term
@@ -32,9 +33,6 @@ Array = np.ndarray
 Progress = Callable[[str, float], None]
 
 USED = ('fit', 'select')
-
-NEAR_NOISE = 1.1
-"""Mean square misfit below which no further effect is looked for."""
 
 PLAUSIBLE = 12.0
 """Sum of squared departures of the declared parameters that their priors still allow."""
@@ -70,7 +68,8 @@ def diagnose(
     drive = next(iter(experiment.pinned.values()), experiment.current) if np.ptp(
         experiment.current) == 0.0 else experiment.current
     segments = split(experiment.time, drive)
-    search = Search(experiment, segments, declared, tuple(declared_freedom(declared)))
+    search = Search(experiment, segments, declared, tuple(declared_freedom(declared)),
+                    applicable(experiment))
     tell('refitting the declared parameters', 0.02)
     tried = _forward(search, tell)
     tell('looking for a discrepancy without a name', 0.8)
@@ -130,7 +129,7 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) ->
         problem = search.problem()
         problem = search.joint(problem, rest)
         z = search.carried(chosen, problem)
-        smaller = search.rate(rest, problem, problem.fit(z, evaluations=9))
+        smaller = search.rate(rest, problem, problem.fit(z, evaluations=EVALUATIONS))
         everything.append(smaller)
         if not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything)
@@ -163,7 +162,7 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
             continue
         seen.add(one.label)
         full = search.on(joint, ('fit',), THINNING_FITS)
-        fit = full.fit(z, evaluations=8)
+        fit = full.fit(z, evaluations=EVALUATIONS)
         candidate = search.rate((f'unknown: {one.label}',), full, fit)
         if best is None or candidate.score < best.score:
             best = candidate
@@ -209,7 +208,7 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
 
 def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
     problem = search.on(candidate.problem, USED, 1)
-    return problem, problem.fit(candidate.fit.z, evaluations=9)
+    return problem, problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
 
 
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array

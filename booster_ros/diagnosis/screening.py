@@ -14,6 +14,7 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 """
 
 from dataclasses import dataclass
+import itertools
 
 import numpy as np
 from scipy.signal import periodogram
@@ -56,21 +57,24 @@ def _insert(problem: Problem, z: Array, e: Array) -> Array:
 
 
 def _trials(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
-    """Return the sizes of the effect's variables to try."""
-    trials = []
-    for j, one in enumerate(free):
-        if one.knob.shape:
-            continue
-        neutral = one.variable(one.knob.neutral) if not one.knob.inverse else 0.0
-        for size in SIZES:
-            for sign in (1.0, -1.0):
-                e = np.array([f.variable(f.knob.neutral if not f.knob.inverse else 0.0)
-                              if not f.knob.shape else f.variable(f.knob.typical) for f in free])
-                e[j] = neutral + sign * size
-                if one.low < e[j] < one.high:
-                    trials.append(e)
+    """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
         return _oscillations(free, frequencies)
+    neutral = np.array([
+        f.variable(f.knob.typical) if f.knob.shape else
+        0.0 if f.knob.inverse else f.variable(f.knob.neutral) for f in free])
+    sizes = [j for j, f in enumerate(free) if not f.knob.shape]
+    steps = [size * sign for size in SIZES for sign in (1.0, -1.0)]
+    moves = [{j: step} for j in sizes for step in steps]
+    if len(sizes) > 1:
+        moves += [dict(zip(sizes, pair)) for pair in itertools.product(SIZES, repeat=len(sizes))]
+    trials = []
+    for move in moves:
+        e = neutral.copy()
+        for j, step in move.items():
+            e[j] += step
+        if all(f.low <= value <= f.high for f, value in zip(free, e)):
+            trials.append(e)
     return trials
 
 

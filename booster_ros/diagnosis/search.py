@@ -34,6 +34,12 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
+NEAR_NOISE = 1.1
+"""Mean square misfit below which no further effect is looked for."""
+
+EVALUATIONS = 10
+"""Steps of one fit."""
+
 MOST_EFFECTS = 3
 FINALISTS = 4
 """Effects per round that are fitted in full."""
@@ -136,7 +142,7 @@ class Search:
     def refit(self) -> Candidate:
         """Return the declared model refitted."""
         problem = self.problem()
-        return self.rate((), problem, problem.fit())
+        return self.rate((), problem, problem.fit(evaluations=EVALUATIONS))
 
     def joint(self, problem: Problem, effects: tuple[str, ...]) -> Problem:
         """Return the problem with all these effects free."""
@@ -150,6 +156,22 @@ class Search:
                  for f, z in zip(source.problem.freedoms, source.fit.z)}
         body = [known.get((f.knob.parameter, f.element), 0.0) for f in target.freedoms]
         return np.concatenate([body, source.fit.z[len(source.problem.freedoms):]])
+
+    def thorough(self, problem: Problem, z: Array) -> Fit:
+        """
+        Return the better of two fits: from z, and from its effects with all else as given.
+
+        The way from the refit without an effect can end in a corner of the declared parameters,
+        where they imitated the effect; the way from the given ones does not begin there.
+        """
+        first = problem.fit(z, evaluations=EVALUATIONS)
+        if first.cost < NEAR_NOISE * problem.rows_counted():
+            return first
+        fresh = first.z.copy()
+        fresh[:len(self.freedoms)] = 0.0
+        fresh[len(problem.freedoms):] = 0.0
+        second = problem.fit(fresh, evaluations=EVALUATIONS)
+        return min(first, second, key=lambda fit: fit.cost)
 
     def extend(self, parent: Candidate, tick: Callable[[], None]) -> list[Candidate]:
         """Return the best models with one effect more than `parent`, best first."""
@@ -169,7 +191,7 @@ class Search:
         found = []
         for quick in screened[:FINALISTS]:
             joint = with_effect(parent.problem, EFFECTS[quick.effect])
-            fit = joint.fit(quick.z, evaluations=9)
+            fit = self.thorough(joint, quick.z)
             found.append(self.rate((*parent.effects, quick.effect), joint, fit))
             tick()
         return preferred_first(found)
