@@ -60,9 +60,19 @@ def is_cached() -> bool:
     return folder is not None and any(folder.rglob(f'kernel.run-*.{_PYTHON}.*.nbc'))
 
 
-@functools.cache
 def compiled_run() -> Callable[..., None] | None:
     """Return `kernel.run` as machine code (compiled at its first call), or None without numba."""
+    modules = compiled_modules()
+    return None if modules is None else modules['kernel']['run']
+
+
+@functools.cache
+def compiled_modules() -> dict[str, dict[str, Any]] | None:
+    """
+    Return the names of each module of the model with its functions as machine code.
+
+    A function is compiled at its first call. None without numba.
+    """
     if not available():
         return None
     import numba
@@ -73,7 +83,7 @@ def compiled_run() -> Callable[..., None] | None:
     if folder is not None:
         config.CACHE_DIR = str(folder)
     try:
-        return _compile_all(numba.njit, cache=folder is not None)['kernel']['run']
+        return _compile_all(numba.njit, cache=folder is not None)
     finally:
         config.CACHE_DIR = previous
 

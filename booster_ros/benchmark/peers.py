@@ -1,0 +1,142 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What users would integrate the model with instead: scipy, SUNDIALS, a Runge-Kutta loop.
+
+Each peer solves a case without dry friction and returns back pressure, chamber pressure, position
+and velocity at its rows, shape (rows, 4). All evaluate the model's own `derivatives`, compiled by
+numba unless the name says Python, and start anew wherever the current changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import Any
+
+import numba
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ..model import system
+from ..model.compiled import compiled_modules
+from ..model.stream import settled_state
+from ..model.system import BACK, CHAMBER, POSITION, STATES, VELOCITY
+from .cases import Case
+
+MOVING = np.array([BACK, CHAMBER, POSITION, VELOCITY])
+SCALES = np.array([1e4, 1e4, 1e-2, 1.0])
+"""Absolute tolerance per relative tolerance: Pa, Pa, m, m/s."""
+
+Rates = Callable[..., None]
+
+
+def _rates_of(derivatives: Any) -> Rates:
+    """Return f(p, current, moving states, full state, full rates, moving rates)."""
+    def rates(p, current, z, y, full, out):  # type: ignore[no-untyped-def]
+        for i in range(4):
+            y[MOVING[i]] = z[i]
+        derivatives(p, 0.0, current, 0.0, y, full)
+        for i in range(4):
+            out[i] = full[MOVING[i]]
+    return rates
+
+
+def machine_rates() -> Rates:
+    """Return the model's derivatives as machine code."""
+    modules = compiled_modules()
+    assert modules is not None
+    return numba.njit(error_model='numpy')(_rates_of(modules['system']['derivatives']))
+
+
+def python_rates() -> Rates:
+    """Return the model's derivatives in plain Python."""
+    return _rates_of(system.derivatives)
+
+
+def start(case: Case) -> np.ndarray:
+    """Return the state in which a case begins."""
+    first = float(case.control_current[0])
+    return np.array(settled_state(
+        case.parameters, first, case.initial.get('chamber_pressure', 0.0),
+        case.initial.get('valve_position')))
+
+
+def _pieces(case: Case) -> Iterator[tuple[slice, float]]:
+    """Yield the rows, both ends included, and the current of each stretch that it stands."""
+    current = case.control_current
+    edges = [0, *(np.flatnonzero(np.diff(current[:-1])) + 1).tolist(), len(current) - 1]
+    for first, last in pairwise(edges):
+        yield slice(first, last + 1), float(current[first])
+
+
+def scipy_peer(method: str, rates: Rates) -> Callable[[Case, float], np.ndarray]:
+    """Return a run of `solve_ivp` at a relative tolerance."""
+    def run(case: Case, rtol: float) -> np.ndarray:
+        y, full = start(case), np.zeros(STATES)
+        result = np.empty((len(case.time), 4))
+        z = y[MOVING]
+        for rows, current in _pieces(case):
+            def f(t: float, z: np.ndarray, current: float = current) -> np.ndarray:
+                out = np.empty(4)
+                rates(case.parameters, current, z, y, full, out)
+                return out
+
+            t = case.time[rows]
+            solution = solve_ivp(
+                f, (t[0], t[-1]), z, method, t_eval=t, rtol=rtol, atol=rtol * SCALES)
+            result[rows] = solution.y.T
+            z = solution.y[:, -1]
+        return result
+    return run
+
+
+def cvode_peer(rates: Rates) -> Callable[[Case, float], np.ndarray]:
+    """Return a run of SUNDIALS' CVODE (BDF, dense Newton) at a relative tolerance."""
+    from sksundae.cvode import CVODE
+
+    def run(case: Case, rtol: float) -> np.ndarray:
+        y, full = start(case), np.zeros(STATES)
+        result = np.empty((len(case.time), 4))
+        z = y[MOVING]
+
+        def with_current(current: float) -> Rates:
+            def f(t: float, z: np.ndarray, out: np.ndarray) -> None:
+                rates(case.parameters, current, z, y, full, out)
+            return f
+
+        for rows, current in _pieces(case):
+            solver = CVODE(
+                with_current(current), rtol=rtol, atol=rtol * SCALES, max_num_steps=10**6)
+            solution = solver.solve(case.time[rows], z)
+            result[rows] = solution.y
+            z = np.array(solution.y[-1])
+        return result
+    return run
+
+
+def runge_kutta_peer(rates: Rates) -> Callable[[Case, float], np.ndarray]:
+    """Return a run of the classical explicit method of order 4, all in machine code, at a step."""
+    @numba.njit(error_model='numpy')
+    def loop(p, rows, parts, current, y, z, result):  # type: ignore[no-untyped-def]
+        full = np.zeros(STATES)
+        k1, k2, k3, k4 = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+        for k in range(len(rows)):
+            result[k] = z
+            if k + 1 == len(rows):
+                break
+            h = (rows[k + 1] - rows[k]) / parts
+            for _ in range(parts):
+                rates(p, current[k], z, y, full, k1)
+                rates(p, current[k], z + 0.5 * h * k1, y, full, k2)
+                rates(p, current[k], z + 0.5 * h * k2, y, full, k3)
+                rates(p, current[k], z + h * k3, y, full, k4)
+                z = z + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+
+    def run(case: Case, step: float) -> np.ndarray:
+        y = start(case)
+        result = np.empty((len(case.time), 4))
+        parts = round((case.time[1] - case.time[0]) / step)
+        loop(case.parameters, case.time, parts, case.control_current, y, y[MOVING], result)
+        return result
+    return run
