@@ -85,7 +85,7 @@ class Stream:
         memory = [0.0] * MEMORIES
         start_memory(parameters, control_current, y, 1e-3, memory)
         self._parameters = parameters
-        self._tolerance = tolerance
+        self._tolerance = float(tolerance)  # an int would be compiled for anew
         self._pinned = tuple(sorted(STATE_NAMES.index(name) for name in pinned))
         self._active = active_states(parameters, self._pinned)
         self._machine = compiled_run() if compiled else None
