@@ -54,6 +54,9 @@ THINNING = 8
 THINNING_FITS = 5
 """Screening uses every eighth row, fits every fifth (all rows where the drive jumps)."""
 
+ENOUGH_ROWS = 1500
+"""Records are not thinned to fewer rows: a short sweep is used whole."""
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
@@ -103,8 +106,10 @@ class Search:
 
     def rows_and_experiment(self, roles: tuple[str, ...], factor: int) -> tuple[Array, Experiment]:
         """Return the rows of these roles and the experiment, both thinned by `factor`."""
-        rows = rows_of(self.segments, roles, len(self.experiment.time))
-        if factor == 1:
+        size = len(self.experiment.time)
+        rows = rows_of(self.segments, roles, size)
+        factor = min(factor, size // ENOUGH_ROWS)
+        if factor <= 1:
             return rows, self.experiment
         thin, kept = self.experiment.thinned(factor)
         return rows[kept], thin
