@@ -37,10 +37,11 @@ def cache_folder() -> Path | None:
     Return the folder for machine code of exactly these sources, or None where none is writable.
 
     The name holds a digest of the sources, because numba's own check looks at one file only and
-    would keep a function whose callee in another file has changed.
+    would keep a function whose callee in another file has changed; and of where they are, because
+    numba keeps the code of each copy apart.
     """
     here = Path(__file__).parent
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(str(here).encode())
     for name in _MODULES:
         digest.update((here / f'{name}.py').read_bytes())
     home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')

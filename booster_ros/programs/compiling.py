@@ -19,12 +19,12 @@ def announce_compilation() -> None:
 def compilation_notice() -> str:
     """Return the line, empty where machine code is ready."""
     if not compiled.available():
-        return 'numba is not installed: the model runs in plain Python, some fifty times slower'
+        return 'numba is not installed: the model runs in plain Python, some thirty times slower'
     if compiled.cache_folder() is None:
         return (
-            'compiling the model (about 20 s) for this run only: no cache folder can be written, '
+            'compiling the model (about half a minute) for this run only: no cache folder can be written, '
             'set XDG_CACHE_HOME to one that can'
         )
     if not compiled.is_cached():
-        return 'compiling the model once for this machine (about 20 s) ...'
+        return 'compiling the model once for this machine (about half a minute) ...'
     return ''
