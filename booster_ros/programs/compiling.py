@@ -22,8 +22,8 @@ def compilation_notice() -> str:
         return 'numba is not installed: the model runs in plain Python, some thirty times slower'
     if compiled.cache_folder() is None:
         return (
-            'compiling the model (about half a minute) for this run only: no cache folder can be written, '
-            'set XDG_CACHE_HOME to one that can'
+            'compiling the model (about half a minute) for this run only: no cache folder can be '
+            'written, set XDG_CACHE_HOME to one that can'
         )
     if not compiled.is_cached():
         return 'compiling the model once for this machine (about half a minute) ...'
