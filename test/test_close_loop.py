@@ -1,0 +1,136 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""`close_loop` as a process: what it writes, what it refuses, and what an interruption leaves."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+from made_diagnosis import timed_columns
+import numpy as np
+import pytest
+
+from booster_ros.model.parameters import from_values
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import PositionerParameters
+from booster_ros.parameters.file import read_parameter_file, write_parameter_file
+from booster_ros.records import CsvWriter
+
+COMMAND = (sys.executable, '-m', 'booster_ros', 'close_loop')
+WRITTEN = {'report.html', 'report.json', 'positioner.yaml', 'positioner_before.yaml'}
+
+
+def close_loop(*arguments):
+    return subprocess.run(
+        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False)
+
+
+def write(path, columns):
+    with CsvWriter(path, tuple(columns)) as writer:
+        writer.write_rows(np.column_stack(list(columns.values())))
+    return path
+
+
+@pytest.fixture
+def declared(tmp_path):
+    """Return a parameter file."""
+    write_parameter_file(tmp_path / 'declared.yaml', PositionerParameters())
+    return tmp_path / 'declared.yaml'
+
+
+@pytest.fixture
+def record(tmp_path):
+    """Return a record of a valve that is as declared."""
+    return write(tmp_path / 'record.csv', timed_columns())
+
+
+def assert_refused(done, *words):
+    """Assert that one clear sentence and nothing else was said."""
+    assert done.returncode == 2
+    assert done.stdout == ''
+    assert len(done.stderr.splitlines()) == 1
+    for word in words:
+        assert word in done.stderr
+
+
+def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
+    closed = PositionerParameters()
+    closed = closed._replace(booster=closed.booster._replace(opening_gain=0.0))
+    leaking = closed._replace(actuator=closed.actuator._replace(leak_area=4e-8))
+    clock = 0.1 * np.arange(300)
+    run = simulate(leaking, clock, np.zeros(300), {'chamber_pressure': 140e3})
+    noise = 100.0 * np.random.default_rng(5).standard_normal(300)
+    record = write(tmp_path / 'decay.csv', {
+        'time': clock, 'chamber_pressure': run['chamber_pressure'] + noise})
+    write_parameter_file(tmp_path / 'closed.yaml', closed)
+    out = tmp_path / 'made' / 'here'
+    done = close_loop('--record', record, '--params', tmp_path / 'closed.yaml', '--out', out,
+                      '--validation', record)
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in out.iterdir()} == WRITTEN
+    report = json.loads((out / 'report.json').read_text())
+    assert report['verdict'] == 'effect'
+    assert report['effects'][0]['location'] == 'chamber'
+    assert report['validation']['chamber_pressure']['after'] < 1.3 * 100.0
+    assert report['record']['file'] == str(record)
+    assert str(out / 'report.html') in done.stdout
+    model = from_values(read_parameter_file(out / 'positioner.yaml').physical)
+    decay = simulate(model, clock, np.zeros(300), {'chamber_pressure': 140e3})
+    misses = decay['chamber_pressure'] - run['chamber_pressure']
+    assert np.sqrt(np.mean(misses**2)) < 100.0
+
+
+def test_bad_input_is_refused_in_one_sentence_and_nothing_is_written(
+        tmp_path, declared, record):
+    out = tmp_path / 'out'
+    good = ('--record', record, '--params', declared, '--out', out)
+    absent = tmp_path / 'absent.csv'
+    assert_refused(close_loop(*good, '--record', absent), 'absent.csv')
+    assert_refused(close_loop(*good, '--validation', absent), 'absent.csv')
+    assert_refused(close_loop(*good, '--params', tmp_path / 'absent.yaml'), 'absent.yaml')
+    alone = write(tmp_path / 'alone.csv', {
+        'time': np.arange(40.0), 'control_current': np.full(40, 0.4e-3)})
+    assert_refused(close_loop(*good, '--record', alone), 'alone.csv', 'nothing can be compared')
+    declared.write_text('/**:\n  ros__parameters:\n    actuator:\n      travell: 0.016\n')
+    assert_refused(close_loop(*good), 'declared.yaml', 'actuator.travell')
+    assert not out.exists()
+
+
+def test_an_output_that_is_a_file_is_refused_and_kept(tmp_path, declared, record):
+    out = tmp_path / 'out'
+    out.write_text('mine')
+    assert_refused(close_loop('--record', record, '--params', declared, '--out', out), str(out))
+    assert out.read_text() == 'mine'
+
+
+@pytest.mark.parametrize('arguments', [
+    ('--topics', 'control_current'), ('--dwell', '-1'), ('--dwell', 'soon'), ('--stamps', 'mine')])
+def test_bad_arguments_are_refused(tmp_path, declared, record, arguments):
+    done = close_loop('--record', record, '--params', declared, '--out', tmp_path / 'out',
+                      *arguments)
+    assert done.returncode == 2
+    assert arguments[-1] in done.stderr
+    assert 'Traceback' not in done.stderr
+
+
+def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared):
+    record = write(tmp_path / 'long.csv', timed_columns(seconds=600.0))
+    out = tmp_path / 'out'
+    out.mkdir()
+    (out / 'report.html').write_text('earlier')
+    process = subprocess.Popen(
+        [*COMMAND, '--record', record, '--params', declared, '--out', out],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    patience = time.monotonic() + 120.0
+    while len(list(out.iterdir())) < 2 and time.monotonic() < patience:
+        time.sleep(0.1)
+    assert len(list(out.iterdir())) == 2  # the temporary folder is there: it works
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert 'Traceback' not in said
+    assert 'nothing was written' in said
+    assert [path.name for path in out.iterdir()] == ['report.html']
+    assert (out / 'report.html').read_text() == 'earlier'
