@@ -53,3 +53,12 @@ def stick_slip(length: float = 40.0) -> Case:
     return Case(
         'stick-slip', parameters, time, current, {'chamber_pressure': 160e3}
     )
+
+
+def moving_command(length: float = 10.0) -> Case:
+    """Return a current that changes with every row, as a controller's does: two slow sines."""
+    time = np.arange(round(length / ROW) + 1) * ROW
+    current = 0.43e-3 + 0.02e-3 * np.sin(1.3 * time) + 0.005e-3 * np.sin(7.1 * time)
+    return Case(
+        'moving command', from_values({}), time, current, {'chamber_pressure': 225e3}
+    )
