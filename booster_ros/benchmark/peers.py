@@ -5,7 +5,7 @@ What users would integrate the model with instead: scipy, SUNDIALS, a Runge-Kutt
 
 Each peer solves a case without dry friction and returns back pressure, chamber pressure, position
 and velocity at its rows, shape (rows, 4). All evaluate the model's own `derivatives`, compiled by
-numba unless the name says Python, and start anew wherever the current changes.
+numba unless the name says Python, and start anew wherever the current changes unless told not to.
 """
 
 from __future__ import annotations
@@ -62,36 +62,52 @@ def start(case: Case) -> np.ndarray:
         case.initial.get('valve_position')))
 
 
-def _pieces(case: Case) -> Iterator[tuple[slice, float]]:
-    """Yield the rows, both ends included, and the current of each stretch that it stands."""
+def _pieces(case: Case, restart: bool) -> Iterator[tuple[slice, Callable[[float], float]]]:
+    """
+    Yield stretches of rows, both ends included, and their current as a function of time.
+
+    With `restart` a stretch ends where the current changes, else there is one stretch only.
+    """
     current = case.control_current
+    if not restart:
+        row = (case.time[-1] - case.time[0]) / (len(case.time) - 1)
+        yield slice(None), lambda t: current[
+            min(int((t - case.time[0]) / row + 1e-9), len(current) - 1)]
+        return
     edges = [0, *(np.flatnonzero(np.diff(current[:-1])) + 1).tolist(), len(current) - 1]
     for first, last in pairwise(edges):
-        yield slice(first, last + 1), float(current[first])
+        level = float(current[first])
+        yield slice(first, last + 1), lambda _, level=level: level  # type: ignore[misc]
 
 
-def scipy_peer(method: str, rates: Rates) -> Callable[[Case, float], np.ndarray]:
+def scipy_peer(
+    method: str, rates: Rates, restart: bool = True
+) -> Callable[[Case, float], np.ndarray]:
     """Return a run of `solve_ivp` at a relative tolerance."""
     def run(case: Case, rtol: float) -> np.ndarray:
         y, full = start(case), np.zeros(STATES)
         result = np.empty((len(case.time), 4))
         z = y[MOVING]
-        for rows, current in _pieces(case):
-            def f(t: float, z: np.ndarray, current: float = current) -> np.ndarray:
-                out = np.empty(4)
-                rates(case.parameters, current, z, y, full, out)
-                return out
 
+        def with_current(current: Callable[[float], float]) -> Callable[..., np.ndarray]:
+            def f(t: float, z: np.ndarray) -> np.ndarray:
+                out = np.empty(4)
+                rates(case.parameters, current(t), z, y, full, out)
+                return out
+            return f
+
+        for rows, current in _pieces(case, restart):
             t = case.time[rows]
             solution = solve_ivp(
-                f, (t[0], t[-1]), z, method, t_eval=t, rtol=rtol, atol=rtol * SCALES)
+                with_current(current), (t[0], t[-1]), z, method, t_eval=t,
+                rtol=rtol, atol=rtol * SCALES)
             result[rows] = solution.y.T
             z = solution.y[:, -1]
         return result
     return run
 
 
-def cvode_peer(rates: Rates) -> Callable[[Case, float], np.ndarray]:
+def cvode_peer(rates: Rates, restart: bool = True) -> Callable[[Case, float], np.ndarray]:
     """Return a run of SUNDIALS' CVODE (BDF, dense Newton) at a relative tolerance."""
     from sksundae.cvode import CVODE
 
@@ -100,12 +116,12 @@ def cvode_peer(rates: Rates) -> Callable[[Case, float], np.ndarray]:
         result = np.empty((len(case.time), 4))
         z = y[MOVING]
 
-        def with_current(current: float) -> Rates:
+        def with_current(current: Callable[[float], float]) -> Rates:
             def f(t: float, z: np.ndarray, out: np.ndarray) -> None:
-                rates(case.parameters, current, z, y, full, out)
+                rates(case.parameters, current(t), z, y, full, out)
             return f
 
-        for rows, current in _pieces(case):
+        for rows, current in _pieces(case, restart):
             solver = CVODE(
                 with_current(current), rtol=rtol, atol=rtol * SCALES, max_num_steps=10**6)
             t = case.time[rows]

@@ -76,6 +76,10 @@ def contestants() -> list[Contestant]:
             'LSODA', peers.python_rates()), (1e-6,)),
         Contestant('LSODA (scipy), numba rates', peers.scipy_peer('LSODA', machine), RTOLS),
         Contestant('CVODE (SUNDIALS), numba rates', peers.cvode_peer(machine), RTOLS),
+        Contestant('LSODA, numba rates, no restarts', peers.scipy_peer(
+            'LSODA', machine, restart=False), RTOLS),
+        Contestant('CVODE, numba rates, no restarts', peers.cvode_peer(
+            machine, restart=False), RTOLS),
         Contestant('Runge-Kutta 4, all numba', peers.runge_kutta_peer(machine), STEPS),
     ]
 
@@ -187,8 +191,9 @@ def document(sections: list[str]) -> str:
     return f"""# Speed, side by side
 
 Written by `make bench`: medians of {ROUNDS} interleaved runs on one thread, CPU time, on whatever
-machine it ran last. All solve the same equations, starting anew where the current changes; the
-error is against Radau at a relative tolerance of 1e-10. A setting is a relative tolerance, a step
+machine it ran last. All solve the same equations, starting anew where the current changes, but
+for two that find their way through the changes by step control alone. The error is against Radau
+at a relative tolerance of 1e-10. A setting is a relative tolerance, a step
 in s, or a multiple of our solver's tolerance.
 
 - *paper test*: the current changes three times in 46 s. Kind to solvers that choose their own
