@@ -21,7 +21,8 @@ from booster_ros.report.tables import (
     MOST_SUSPECTS, declared_table, effect_table, error_table, suspect_table)
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.wording import (
-    SCALING, channel_label, effect_label, listing, place_label, verdict_sentences, verdict_title)
+    SCALING, capital, channel_label, effect_label, listing, place_label, verdict_sentences,
+    verdict_title)
 
 _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',
@@ -123,17 +124,13 @@ def _residuals(view: View) -> str:
     if variables:
         content += [
             '<h3>Against the variable that explains it best</h3>',
-            paragraph(f'{_capital("; ".join(sentences))}. The line is the mean of the points.',
+            paragraph(f'{capital("; ".join(sentences))}. The line is the mean of the points.',
                       'hint'),
             figure(svg(figures.residuals_over_variable(view, variables), 'explained'),
                    'Residuals of both models over the variable that explains them best')]
     else:
         content.append(paragraph('No single variable explains a tenth of it.', 'hint'))
     return section('What the model misses', *content)
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _explaining(view: View, name: str) -> str | None:
@@ -208,12 +205,12 @@ def _undecided(diagnosis: Diagnosis) -> str:
     for effect in diagnosis.effects:
         rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
         if effect.confused_with:
-            items.append(f'{effect_label(effect.name).capitalize()} or {rivals}? This record '
+            items.append(f'{capital(effect_label(effect.name))} or {rivals}? This record '
                          f'cannot decide. It would take: {effect.separating_experiment}.')
         elif effect.name == 'unknown':
             items.append(f'To find its cause: {effect.separating_experiment}.')
         else:
-            items.append(f'{effect_label(effect.name).capitalize()}: no other effect explains the '
+            items.append(f'{capital(effect_label(effect.name))}: no other effect explains the '
                          'record as well. An experiment that would confirm it: '
                          f'{effect.separating_experiment}.')
     return section('What it may be instead, and how to find out', bullets(items)) if items else ''

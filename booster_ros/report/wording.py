@@ -4,6 +4,7 @@
 
 from collections.abc import Sequence
 import math
+import re
 
 from booster_ros.diagnosis.result import ChannelError, Diagnosis, UnknownTerm
 from booster_ros.model.catalogue import EFFECTS
@@ -55,7 +56,12 @@ def place_label(location: str) -> str:
 
 def effect_label(name: str) -> str:
     """Return the words for an effect."""
-    return name.replace('_', ' ')
+    return re.sub('^ep ', 'E/P ', name.replace('_', ' '))
+
+
+def capital(text: str) -> str:
+    """Return a text with its first letter, and only that, made a capital."""
+    return text[:1].upper() + text[1:]
 
 
 def listing(words: Sequence[str], last: str = 'and') -> str:
@@ -86,7 +92,7 @@ def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
     for effect in diagnosis.effects:
         meaning = EFFECTS[effect.name].meaning
         sentences.append(
-            f'{meaning[:1].upper()}{meaning[1:]}. It is born in {place_label(effect.location)}.')
+            f'{capital(meaning)}. It is born in {place_label(effect.location)}.')
     sentences.append(_gain(diagnosis))
     for effect in diagnosis.effects:
         if effect.confused_with:
