@@ -21,7 +21,7 @@ from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
     EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, THINNING, THINNING_FITS, Candidate, Search,
-    at, clearly_better, gain, preferred_first, told_apart)
+    clearly_better, gain, preferred_first, told_apart)
 from booster_ros.diagnosis.segments import rows_of, split
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, terms
 from booster_ros.model import discrepancy as term
@@ -152,7 +152,7 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     problem = tried.refit.problem
     thin = search.on(problem, ('fit',), THINNING)
     best: Candidate | None = None
-    references = [at(thin, tried.refit.fit.z), at(thin, thin.start())]
+    references = [thin.at(tried.refit.fit.z), thin.at(thin.start())]
     reached = sorted(
         ((*linear_reach(thin, reference, one), one) for reference in references
          for one in terms(search.experiment.channels)), key=lambda found: found[0])

@@ -14,9 +14,6 @@ Array = np.ndarray
 FINE = 0.1
 """Multiplies the solver's tolerance: differences between neighbouring simulations count."""
 
-STATE_CHANNELS = ('back_pressure', 'supply_pressure', 'chamber_pressure')
-"""Channels that are states of the model, so that a measured one can drive what is downstream."""
-
 OUTPUT_OF = {
     'back_pressure': 'back_pressure',
     'supply_pressure': 'supply_pressure',
@@ -117,10 +114,6 @@ class Experiment:
         charge = np.concatenate(([0.0], np.cumsum(self.current[:-1] * np.diff(self.time))))
         mean = np.diff(charge[kept]) / np.diff(self.time[kept])
         return np.concatenate((mean, self.current[-1:]))
-
-    def with_measured(self, measured: dict[str, Array]) -> 'Experiment':
-        """Return the same experiment with other measurements."""
-        return replace(self, measured=measured)
 
 
 def rmse(measured: Array, predicted: Array, rows: Array) -> float:

@@ -239,10 +239,19 @@ class Problem:
         """Return z of the given parameters."""
         return np.zeros(len(self.freedoms) + self.nuisances)
 
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the lower and upper bounds of z; the start's variables have none."""
+        return (np.array([f.low for f in self.freedoms] + [-np.inf] * self.nuisances),
+                np.array([f.high for f in self.freedoms] + [np.inf] * self.nuisances))
+
+    def at(self, z: Array) -> Fit:
+        """Return z as a fit, with its Jacobian there."""
+        p = self.parameters(z)
+        return Fit(self.freedoms, z, p, self.initial(z, p), 0.0, self.jacobian(z))
+
     def fit(self, z: Array | None = None, evaluations: int = 20) -> Fit:
         """Return the best fit from z on (default: from the given parameters)."""
-        low = np.array([f.low for f in self.freedoms] + [-np.inf] * self.nuisances)
-        high = np.array([f.high for f in self.freedoms] + [np.inf] * self.nuisances)
+        low, high = self.bounds()
         begin = self.start() if z is None else z
         margin = 1e-6 * np.minimum(high - low, 1.0)
         begin = np.clip(begin, low + margin, high - margin)

@@ -135,10 +135,7 @@ def references(problem: Problem, fit: Fit) -> list[_Reference]:
     A refit without the effect may have bent the declared parameters so far to imitate it that
     the true ones are out of linear reach; the given ones are near them.
     """
-    start = problem.start()
-    given = Fit(problem.freedoms, start, problem.base, problem.experiment.initial, 0.0,
-                problem.jacobian(start))
-    return [_reference(fit), _reference(given)]
+    return [_reference(fit), _reference(problem.at(problem.start()))]
 
 
 def screen(problem: Problem, around: list[_Reference], name: str, frequencies: Array) -> Screened:
@@ -146,8 +143,7 @@ def screen(problem: Problem, around: list[_Reference], name: str, frequencies: A
     joint = with_effect(problem, EFFECTS[name])
     where = len(problem.freedoms)
     free = joint.freedoms[where:]
-    low = np.array([f.low for f in joint.freedoms] + [-np.inf] * joint.nuisances)
-    high = np.array([f.high for f in joint.freedoms] + [np.inf] * joint.nuisances)
+    low, high = joint.bounds()
     best = Screened(name, joint, joint.start(), float('inf'))
     jacobian = around[0].jacobian
     for reference in around:

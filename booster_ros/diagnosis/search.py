@@ -181,7 +181,7 @@ class Search:
     def extend(self, parent: Candidate, tick: Callable[[], None]) -> list[Candidate]:
         """Return the best models with one effect more than `parent`, best first."""
         thin = self.on(parent.problem, ('fit',), THINNING)
-        around = references(thin, at(thin, parent.fit.z))
+        around = references(thin, thin.at(parent.fit.z))
         frequencies = strong_frequencies(thin, parent.fit.z)
         names = [name for name in self.names if name not in parent.effects and
                  not redundant(name, parent.effects)]
@@ -200,12 +200,6 @@ class Search:
             found.append(self.rate((*parent.effects, quick.effect), joint, fit))
             tick()
         return preferred_first(found)
-
-
-def at(problem: Problem, z: Array) -> Fit:
-    """Return z as a fit of the problem, with its Jacobian there."""
-    p = problem.parameters(z)
-    return Fit(problem.freedoms, z, p, problem.initial(z, p), 0.0, problem.jacobian(z))
 
 
 def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
