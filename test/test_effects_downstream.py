@@ -222,6 +222,52 @@ def test_stiction_is_a_staircase():
     assert force == pytest.approx(fc + stiction, abs=2.0)
 
 
+def test_a_packing_yields_before_the_stem_slides():
+    """
+    At a reversal the stem moves by what the packing yields while friction changes its sign.
+
+    Along the way friction follows the solution of the bristles' equation for constant sliding
+    friction g: after a turn, f = g (2 exp(-σ0 s/g) - 1) at the way s back.
+    """
+    friction, stiffness = 600.0, 1e7
+    time = rows(60.0)
+    pressure = 170e3 + 1e3 * np.minimum(time, 60.0 - time)
+    run = simulate(
+        positioner({'actuator.coulomb_friction': friction,
+                    'actuator.presliding_stiffness': stiffness}),
+        time, np.zeros_like(time), pinned={'chamber_pressure': pressure}, tolerance=0.01)
+    position = run['valve_position']
+    turn = int(np.argmax(position))
+    held = AREA * (pressure - 150e3) - SPRING * position
+    way = position[turn] - position[turn:]
+    expected = friction * (2.0 * np.exp(-stiffness * way / friction) - 1.0)
+    yielding = way < 1e-4
+    assert np.sum(yielding) > 1000
+    assert held[turn:][yielding] == pytest.approx(expected[yielding], abs=0.005 * friction)
+    # and fast enough either way it slides against the whole of it
+    assert np.median(held[(time > 15.0) & (time < 25.0)]) == pytest.approx(friction, rel=0.02)
+    assert np.median(held[time > 50.0]) == pytest.approx(-friction, rel=0.02)
+
+
+def test_a_yielding_packing_holds_a_stem_that_nothing_moves():
+    values = {'actuator.coulomb_friction': 500.0, 'actuator.presliding_stiffness': 1e7}
+    time = rows(60.0)
+    run = simulate(
+        positioner(values), time, np.zeros_like(time), {'valve_position': 0.0055},
+        {'chamber_pressure': np.full(len(time), 200e3)})
+    assert np.ptp(run['valve_position']) < 1e-7
+
+
+def test_a_stiff_packing_is_nearly_a_rigid_one():
+    time = rows(60.0)
+    pressure = 170e3 + 1e3 * np.minimum(time, 60.0 - time)
+    runs = [follow_pressure({'actuator.coulomb_friction': 400.0, 'actuator.presliding_stiffness':
+                             stiffness}, time, pressure)['valve_position']
+            for stiffness in (0.0, 1e9, 1e7)]
+    assert np.max(np.abs(runs[1] - runs[0])) < 5e-6
+    assert np.max(np.abs(runs[2] - runs[0])) > 5e-5
+
+
 def test_a_slip_takes_pressure_out_of_the_chamber():
     values = {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 400.0}
     time = rows(60.0)

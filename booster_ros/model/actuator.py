@@ -48,6 +48,9 @@ class Actuator(NamedTuple):
     stribeck_velocity: Annotated[float, Quantity(
         'm/s', 'stem_friction: velocity at which stiction has faded to 37 %', 1e-6, 1.0,
         'packings: 0.1 to 5 mm/s')] = 1e-3
+    presliding_stiffness: Annotated[float, Quantity(
+        'N/m', 'stem_friction: stiffness of the packing before it slides, 0 = rigid, it sticks '
+        'exactly', 0.0, 1e12, 'packings: 1e7 to 1e9 N/m')] = 0.0
     friction_gradient: Annotated[float, Quantity(
         'N', 'position_dependent_friction: sliding friction added from closed to full travel',
         -1e6, 1e6)] = 0.0
@@ -174,6 +177,32 @@ def sliding_friction(act: Actuator, position: float, velocity: float) -> float:
         return level
     v = velocity / act.stribeck_velocity
     return level + act.stiction * math.exp(-v * v)
+
+
+def is_rigid(act: Actuator) -> bool:
+    """Tell whether a stem that sticks does not yield at all."""
+    return act.presliding_stiffness <= 0.0
+
+
+def presliding_force_rate(act: Actuator, force: float, position: float, velocity: float) -> float:
+    """
+    Return the rate in N/s of the force that the packing's bristles hold against the stem.
+
+    LuGre model, C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419, eq. 2, with
+    the force in place of the deflection: it grows with the stem's way and saturates at sliding.
+    """
+    sliding = max(sliding_friction(act, position, velocity), 1e-3)
+    return act.presliding_stiffness * (velocity - abs(velocity) * force / sliding)
+
+
+def presliding_friction(act: Actuator, force: float, rate: float) -> float:
+    """
+    Return the friction in N that bristles with this force (N) and rate of it (N/s) oppose.
+
+    The same source, eq. 3; the bristles are damped critically against the stem's mass.
+    """
+    damping = 2.0 * math.sqrt(act.presliding_stiffness * act.moving_mass)
+    return force + damping / act.presliding_stiffness * rate
 
 
 def breakaway_friction(act: Actuator, position: float) -> float:

@@ -8,7 +8,6 @@ that searches, fits, reports or configures effects reads these rows.
 """
 
 from dataclasses import dataclass
-import math
 
 
 @dataclass(frozen=True)
@@ -17,8 +16,8 @@ class Knob:
     One parameter of an effect as a fit turns it.
 
     `typical` is a size that a record shows well, `low` and `high` bound the search (SI units,
-    `neutral` included where the effect vanishes there). `inverse` fits 1/value² instead of the
-    value: a restriction vanishes as its area grows.
+    `neutral` included where the effect vanishes there). `inverse` fits value to the minus so much
+    instead of the value: a restriction vanishes as its area grows, its drop with area squared.
     """
 
     parameter: str
@@ -26,20 +25,21 @@ class Knob:
     low: float
     high: float
     neutral: float = 0.0
-    inverse: bool = False
+    inverse: int = 0
     shape: bool = False  # a shape parameter means nothing while the size is neutral
 
     def to_fit(self, value: float) -> float:
         """Return the fitted variable for a value."""
         if not self.inverse:
             return value
-        return 0.0 if value <= 0.0 else 1.0 / value**2
+        return 0.0 if value <= 0.0 else value**-self.inverse
 
     def from_fit(self, variable: float) -> float:
         """Return the value for a fitted variable; an inverse knob is neutral at zero."""
         if not self.inverse:
             return variable
-        return 0.0 if variable <= 1.0 / self.high**2 else 1.0 / math.sqrt(variable)
+        vanishing = self.high**-self.inverse
+        return 0.0 if variable <= vanishing else variable**(-1.0 / self.inverse)
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,8 @@ class Effect:
 def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob) -> Effect:
     return Effect(name, location, knobs, meaning, needs, experiment, source)
 
+
+_PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 1e9, 0.0, inverse=1, shape=True)
 
 _ROWS = (
     _effect(
@@ -133,7 +135,7 @@ _ROWS = (
         'tubing_restriction', 'tubing', 'tube and fittings throttle between booster and actuator',
         'steps', 'two pressure taps, at the booster outlet and at the actuator',
         'ISO 6358 orifice behind a volume',
-        Knob('tubing.restriction_area', 2e-6, 2e-7, 3e-5, 0.0, inverse=True),
+        Knob('tubing.restriction_area', 2e-6, 2e-7, 3e-5, 0.0, inverse=2),
         Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True)),
     _effect(
         'chamber_leak', 'chamber', 'air escapes from the actuator', 'settled pressures, steps',
@@ -159,13 +161,16 @@ _ROWS = (
         'reversals', 'slow triangle: two parallel lines in position over pressure; dither '
         'narrows them', 'B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083',
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
-        Knob('actuator.stiction', 100.0, 0.0, 3e3)),
+        Knob('actuator.stiction', 100.0, 0.0, 3e3),
+        _PRESLIDING,
+        Knob('actuator.stribeck_velocity', 1e-3, 1e-4, 1e-2, 1e-3, shape=True)),
     _effect(
         'position_dependent_friction', 'stem', 'friction differs along the travel (bent stem)',
         'reversals at several positions', 'valve signature over the full travel',
         'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f8',
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
-        Knob('actuator.friction_gradient', 300.0, -6e3, 6e3)),
+        Knob('actuator.friction_gradient', 300.0, -6e3, 6e3),
+        _PRESLIDING),
     _effect(
         'spring_nonlinearity', 'stem', 'the spring is not a straight line',
         'positions across the travel', 'spring test without the diaphragm',

@@ -44,7 +44,7 @@ class Discrepancy(NamedTuple):
 def interpolate(table: Discrepancy, value: float) -> float:
     """Return the term at `value`, in the unit of the table's location; zero outside."""
     place = (value - table.low) / (table.high - table.low) * (KNOTS - 1)
-    if place < 0.0 or place > KNOTS - 1:
+    if not 0.0 <= place <= KNOTS - 1:  # also where the value is no number
         return 0.0
     left = min(int(place), KNOTS - 2)
     share = place - left

@@ -10,7 +10,7 @@ import numpy as np
 
 from .kernel import interval
 from .solver import new_workspace
-from .stream import DEFAULT_TOLERANCE, Stream, active_states, settled_state
+from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
     MEMORIES, Outputs, PositionerParameters, hold_inactive_states, observe, start_memory)
 
@@ -126,6 +126,7 @@ def simulate(
     tolerance: float = DEFAULT_TOLERANCE,
     compiled: bool = True,
     back_pressure_departure: float = 0.0,
+    longest_interval: float = LONGEST_INTERVAL,
 ) -> Simulation:
     """
     Simulate over the rows of a record, shape (n,) each: time in s, control current in A.
@@ -133,7 +134,8 @@ def simulate(
     A current stands from its row to the next. `initial` may hold values of the state at the first
     row (keys `STATE_NAMES`, else settled, chamber vented); `pinned` channels (same keys) follow
     the given series instead of the equations. `back_pressure_departure` (Pa) is how far from
-    settled the E/P converter starts. ValueError where shapes or times do not fit.
+    settled the E/P converter starts; intervals between rows that are longer than
+    `longest_interval` (s) are divided. ValueError where shapes or times do not fit.
     """
     held = dict(pinned or {})
     start = {**(initial or {}), **{name: float(series[0]) for name, series in held.items()}}
@@ -141,7 +143,7 @@ def simulate(
         raise ValueError('time and control_current must not be empty')
     stream = Stream(
         parameters, float(time[0]), float(control_current[0]), start, tuple(held), tolerance,
-        compiled, back_pressure_departure)
+        compiled, back_pressure_departure, longest_interval)
     columns = stream.advance(time, control_current, held)
     return Simulation(columns, stream.state)
 

@@ -15,8 +15,9 @@ from .kernel import OBSERVED, run
 from .solver import Workspace, new_workspace
 from .supply import set_pressure
 from .system import (
-    BACK, CHAMBER, MEMORIES, OUTLET, POSITION, STATE_NAMES, STATES, SUPPLY, TEMPERATURE, Outputs,
-    PositionerParameters, discrepancy_at, hold_inactive_states, is_active, start_memory)
+    BACK, CHAMBER, MEMORIES, OUTLET, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY,
+    TEMPERATURE, Outputs, PositionerParameters, discrepancy_at, held_force, hold_inactive_states,
+    is_active, start_memory)
 
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""
@@ -46,6 +47,8 @@ def settled_state(
     hold_inactive_states(p, time, y, ())
     extra = discrepancy_at(p, EP_CONVERTER, time, current, y, 0.0)
     y[BACK] = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
+    if is_active(p, PRESLIDING):
+        y[PRESLIDING] = held_force(p, time, current, y)
     return y
 
 
@@ -66,14 +69,15 @@ class Stream:
         self, parameters: PositionerParameters, time: float, control_current: float,
         initial: Mapping[str, float] | None = None, pinned: tuple[str, ...] = (),
         tolerance: float = DEFAULT_TOLERANCE, compiled: bool = True,
-        back_pressure_departure: float = 0.0,
+        back_pressure_departure: float = 0.0, longest_interval: float = LONGEST_INTERVAL,
     ) -> None:
         """
         Start at `time`, settled at a current, the chamber vented.
 
         `initial` may hold other values of the state (keys `STATE_NAMES`), and the back pressure
         may be away from settled by a departure in Pa. The states `pinned` are given with each
-        portion and follow no equation.
+        portion and follow no equation. Intervals between rows that are longer than
+        `longest_interval` (s) are divided.
         """
         given = dict(initial or {})
         y = settled_state(
@@ -85,6 +89,7 @@ class Stream:
         memory = [0.0] * MEMORIES
         start_memory(parameters, control_current, y, 1e-3, memory)
         self._parameters = parameters
+        self._longest = float(longest_interval)
         self._tolerance = float(tolerance)  # an int would be compiled for anew
         self._pinned = tuple(sorted(STATE_NAMES.index(name) for name in pinned))
         self._active = active_states(parameters, self._pinned)
@@ -137,13 +142,13 @@ class Stream:
         if self._machine is None:
             run(self._parameters, time.tolist(), current.tolist(), delayed.tolist(), self._pinned,
                 pins, self._state, self._memory, self._active, len(self._active),
-                self._tolerance, LONGEST_INTERVAL, new_workspace(), out)
+                self._tolerance, self._longest, new_workspace(), out)
             return
         scratch: list[Any] = [np.array(numbers) for numbers in new_workspace()]
         self._machine(
             self._parameters, time, current, delayed, np.array(self._pinned, dtype=np.int64),
             pins, self._state, self._memory, np.array(self._active, dtype=np.int64),
-            len(self._active), self._tolerance, LONGEST_INTERVAL, Workspace(*scratch), out)
+            len(self._active), self._tolerance, self._longest, Workspace(*scratch), out)
 
     def _keep(self, time: np.ndarray, current: np.ndarray, pins: np.ndarray) -> None:
         oldest = time[-1] - max(self._parameters.ep_converter.dead_time, 0.0)

@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 from . import discrepancy as term
 from .actuator import (
-    Actuator, breakaway_friction, energy_rates, has_dry_friction, isothermal_pressure_rate,
-    leak_flow, sliding_friction, stem_acceleration, stem_force)
+    Actuator, breakaway_friction, energy_rates, has_dry_friction, is_rigid,
+    isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
+    sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
 from .discrepancy import Discrepancy, interpolate
@@ -22,10 +23,10 @@ from .sensors import Sensors, lagged, position_reading, pressure_reading
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
 
-BACK, SUPPLY, OUTLET, CHAMBER, TEMPERATURE, POSITION, VELOCITY = range(7)
-STATES = 7
+BACK, SUPPLY, OUTLET, CHAMBER, TEMPERATURE, POSITION, VELOCITY, PRESLIDING = range(8)
+STATES = 8
 STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_pressure',
-               'gas_temperature', 'valve_position', 'stem_velocity')
+               'gas_temperature', 'valve_position', 'stem_velocity', 'presliding_force')
 
 # What is remembered from one interval to the next besides the state: the stem's direction of
 # sliding (0 stuck or no dry friction), the solver's next trial step, how often the present slide
@@ -80,6 +81,8 @@ def is_active(p: PositionerParameters, state: int) -> bool:
         return p.tubing.restriction_area > 0.0
     if state == TEMPERATURE:
         return p.actuator.thermal_resistance > 0.0
+    if state == PRESLIDING:
+        return has_dry_friction(p.actuator) and not is_rigid(p.actuator)
     return True
 
 
@@ -91,6 +94,8 @@ def hold_inactive_states(p: PositionerParameters, time: float, y, pinned) -> Non
         y[OUTLET] = y[CHAMBER]
     if p.actuator.thermal_resistance <= 0.0:
         y[TEMPERATURE] = p.supply.temperature
+    if not is_active(p, PRESLIDING):
+        y[PRESLIDING] = 0.0
 
 
 def undrawn_supply(p: PositionerParameters, time: float) -> float:
@@ -193,14 +198,25 @@ def derivatives(
     friction = 0.0
     if direction != 0.0:
         friction = -direction * sliding_friction(p.actuator, y[POSITION], y[VELOCITY])
+    rates[PRESLIDING] = 0.0
+    if is_active(p, PRESLIDING):
+        rates[PRESLIDING] = presliding_force_rate(
+            p.actuator, y[PRESLIDING], y[POSITION], y[VELOCITY])
+        friction = -presliding_friction(p.actuator, y[PRESLIDING], rates[PRESLIDING])
     rates[POSITION] = y[VELOCITY]
     rates[VELOCITY] = stem_acceleration(
         p.actuator, net_stem_force(p, time, current, y), friction)
 
 
 def sticks(p: PositionerParameters) -> bool:
-    """Tell whether the stem has dry friction, so that it can stick."""
-    return has_dry_friction(p.actuator)
+    """Tell whether the stem has dry friction without any yield, so that it sticks exactly."""
+    return has_dry_friction(p.actuator) and is_rigid(p.actuator)
+
+
+def held_force(p: PositionerParameters, time: float, current: float, y) -> float:
+    """Return the presliding force, N, that keeps a resting stem where it is, as far as it can."""
+    most = breakaway_friction(p.actuator, y[POSITION])
+    return min(max(net_stem_force(p, time, current, y), -most), most)
 
 
 def slip_direction(p: PositionerParameters, time: float, current: float, y) -> float:
