@@ -20,10 +20,10 @@ from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, THINNING, THINNING_FITS, Candidate, Search,
-    clearly_better, gain, preferred_first, told_apart)
+    EVALUATIONS, FINALISTS, HOPELESS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate,
+    Search, clearly_better, gain, preferred_first, told_apart)
 from booster_ros.diagnosis.segments import rows_of, split
-from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, terms
+from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import DESCRIPTIONS
@@ -87,14 +87,14 @@ def _forward(search: Search, tell: Progress) -> _Tried:
     chosen = refit
     beam = [refit]
     for level in range(MOST_EFFECTS):
-        if chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE:
+        if _explained(chosen, refit):
             break
         ranked = _round(search, beam, level, tell)
         everything += ranked
         if not ranked or not clearly_better(ranked[0], chosen):
             break
         chosen = ranked[0]
-        beam = ranked[:BEAM]
+        beam = [c for c in ranked[:BEAM] if c.score < HOPELESS * chosen.score]
     chosen = _backward(search, chosen, everything)
     reasons = {c.effects: _reason(c, chosen) for c in everything}
     reasons[chosen.effects] = 'chosen'
@@ -102,10 +102,17 @@ def _forward(search: Search, tell: Progress) -> _Tried:
     return _Tried(refit, chosen, tuple(everything), reasons)
 
 
+def _explained(chosen: Candidate, refit: Candidate) -> bool:
+    """Tell whether what is left is noise, or too little beside what the effects explain."""
+    if chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE:
+        return True
+    return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
+
+
 def _round(search: Search, beam: list[Candidate], level: int, tell: Progress) -> list[Candidate]:
     """Return the models with one effect more than those in the beam, best first."""
     found: dict[frozenset[str], Candidate] = {}
-    steps = len(beam) * (len(search.names) + FINALISTS)
+    steps = len(beam) * (len(search.names) + PROMISING + FINALISTS)
     done = itertools.count(1)
 
     def tick() -> None:
@@ -147,23 +154,21 @@ def _reason(candidate: Candidate, chosen: Candidate) -> str:
 
 def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     """Return the best model with a tabulated term, None where named effects explain the record."""
-    if tried.chosen.misfit < WELL_EXPLAINED:
+    if tried.chosen.misfit < WELL_EXPLAINED or _explained(tried.chosen, tried.refit):
         return None
-    problem = tried.refit.problem
-    thin = search.on(problem, ('fit',), THINNING)
+    thin = tried.refit.problem
     best: Candidate | None = None
     references = [thin.at(tried.refit.fit.z), thin.at(thin.start())]
     reached = sorted(
         ((*linear_reach(thin, reference, one), one) for reference in references
          for one in terms(search.experiment.channels)), key=lambda found: found[0])
     seen: set[str] = set()
-    for _, z, joint, one in reached:
+    for _, z, move, joint, one in reached:
         if one.label in seen or len(seen) >= 3:
             continue
         seen.add(one.label)
-        full = search.on(joint, ('fit',), THINNING_FITS)
-        fit = full.fit(z, evaluations=EVALUATIONS)
-        candidate = search.rate((f'unknown: {one.label}',), full, fit)
+        fit = joint.fit(moved(joint, z, move), evaluations=EVALUATIONS)
+        candidate = search.rate((f'unknown: {one.label}',), joint, fit)
         if best is None or candidate.score < best.score:
             best = candidate
     return best
@@ -179,7 +184,7 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
     verdict, best = 'none', tried.refit
     if tried.chosen.effects:
         verdict, best = 'effect', tried.chosen
-    if unnamed is not None and clearly_better(unnamed, best, 0.1):
+    if unnamed is not None and clearly_better(unnamed, best):
         verdict, best = 'unknown', unnamed
     problem, after = _final(search, best)
     effects: tuple[FoundEffect, ...] = ()
@@ -207,8 +212,24 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
 
 
 def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
+    """
+    Return the candidate fitted to all but the locked part.
+
+    Where that leaves more than noise, once more from the declared parameters as given and typical
+    shapes: they may have ended in a corner where they imitated the effect before it was there.
+    """
     problem = search.on(candidate.problem, USED, 1)
-    return problem, problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+    fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+    if not candidate.effects or fit.cost < NEAR_NOISE * problem.rows_counted():
+        return problem, fit
+    fresh = fit.z.copy()
+    fresh[:len(search.freedoms)] = 0.0
+    fresh[len(problem.freedoms):] = 0.0
+    for j, free in enumerate(problem.freedoms):
+        if free.knob.shape:
+            fresh[j] = free.variable(free.knob.typical)
+    again = problem.fit(fresh, evaluations=EVALUATIONS)
+    return problem, min(fit, again, key=lambda found: found.cost)
 
 
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array

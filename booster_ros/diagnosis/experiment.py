@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.model.simulation import Simulation, simulate
+from booster_ros.model.stream import LONGEST_INTERVAL as DEFAULT_LONGEST_INTERVAL
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
-FINE = 0.1
-"""Multiplies the solver's tolerance: differences between neighbouring simulations count."""
+LONGEST_INTERVAL = 0.1
+"""Rows further apart than this, s, are divided: what happens between them is smooth."""
 
 OUTPUT_OF = {
     'back_pressure': 'back_pressure',
@@ -77,8 +78,17 @@ class Experiment:
         if start.valve_position is not None and 'valve_position' not in self.pinned:
             state['valve_position'] = start.valve_position
         return simulate(
-            parameters, self.time, self.current, state, self.pinned, FINE,
-            back_pressure_departure=start.back_pressure_departure)
+            parameters, self.time, self.current, state, self.pinned,
+            back_pressure_departure=start.back_pressure_departure,
+            longest_interval=self._longest_interval(parameters))
+
+    def _longest_interval(self, parameters: PositionerParameters) -> float:
+        """Return the interval over which supply pressure and measured drives may stand, s."""
+        if self.pinned:
+            return DEFAULT_LONGEST_INTERVAL
+        if parameters.supply.ripple > 0.0:
+            return min(LONGEST_INTERVAL, 0.05 / parameters.supply.ripple_frequency)
+        return LONGEST_INTERVAL
 
     def predict(self, parameters: PositionerParameters, initial: Initial | None = None
                 ) -> dict[str, Array]:

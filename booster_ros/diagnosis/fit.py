@@ -30,7 +30,13 @@ Array = np.ndarray
 _POOL = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
 
 DIFFERENCE = 2e-3
-"""Step of the Jacobian's differences in z: larger ones bend, smaller ones drown in the solver."""
+VISIBLE = 10.0
+"""
+Steps of the Jacobian's differences in z: the first, and how far (norm of the scaled residuals'
+change) later ones go. Larger ones bend, smaller ones drown in the solver's own error.
+"""
+
+SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
 
 _SHIFT = 5.0
 
@@ -138,7 +144,7 @@ def effect_freedom(effect: Effect) -> list[Free]:
         scale = knob.to_fit(knob.typical) - neutral
         if scale == 0.0 or knob.shape:
             scale = knob.to_fit(knob.typical) or 1.0
-        found.append(Free(knob, neutral, scale))
+        found.append(Free(knob, neutral, abs(scale)))
     return found
 
 
@@ -216,12 +222,20 @@ class Problem:
         start = z[len(self.freedoms):] / np.array([3.0, 4.0]) if self.nuisances else []
         return np.concatenate([*parts, priors, start])
 
-    def jacobian(self, z: Array) -> Array:
-        """Return d(residuals)/dz by one-sided differences, columns side by side."""
+    def jacobian(self, z: Array, before: Array | None = None) -> Array:
+        """
+        Return d(residuals)/dz by one-sided differences, columns side by side.
+
+        `before` is an earlier one, which tells how far to go in each variable.
+        """
         here = self.residuals(z)
+        steps = np.full(len(z), DIFFERENCE)
+        if before is not None:
+            length = np.maximum(np.linalg.norm(before, axis=0), 1e-9)
+            steps = np.clip(VISIBLE / length, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
 
         def column(j: int) -> Array:
-            step = DIFFERENCE
+            step = steps[j]
             if j < len(self.freedoms) and z[j] + step > self.freedoms[j].high:
                 step = -step
             moved = z.copy()
@@ -257,10 +271,16 @@ class Problem:
         begin = np.clip(begin, low + margin, high - margin)
         # the first trust region is as large as the start vector: shift it, so that a start near
         # zero is not taken for a wish to move in small steps
+        latest: list[Array] = []
+
+        def jacobian(v: Array) -> Array:
+            latest[:] = [self.jacobian(v - _SHIFT, *latest)]
+            return latest[0]
+
         found = least_squares(
-            lambda v: self.residuals(v - _SHIFT), begin + _SHIFT,
-            lambda v: self.jacobian(v - _SHIFT), bounds=(low + _SHIFT, high + _SHIFT),
-            max_nfev=evaluations, ftol=1e-4, xtol=1e-4, method='dogbox')
+            lambda v: self.residuals(v - _SHIFT), begin + _SHIFT, jacobian,
+            bounds=(low + _SHIFT, high + _SHIFT),
+            max_nfev=evaluations, ftol=1e-4, xtol=1e-4, method='trf')
         z = found.x - _SHIFT
         p = self.parameters(z)
         return Fit(self.freedoms, z, p, self.initial(z, p), 2.0 * found.cost,

@@ -10,7 +10,9 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
 2. let the reference variables react linearly: z ← z - J⁺ r, priors included; what remains is the
    cost this size can reach;
-3. from the best size on, Gauss-Newton steps in (z, e) with the columns of e renewed and J kept.
+3. what remains runs nearly straight from size 0 to e: try the size at which it is least.
+
+The best size around each reference is where a joint fit begins.
 """
 
 from dataclasses import dataclass
@@ -19,7 +21,7 @@ import itertools
 import numpy as np
 from scipy.signal import periodogram
 
-from booster_ros.diagnosis.fit import DIFFERENCE, Fit, Free, Problem, effect_freedom
+from booster_ros.diagnosis.fit import Fit, Free, Problem, effect_freedom
 from booster_ros.model.catalogue import EFFECTS, Effect
 
 Array = np.ndarray
@@ -27,19 +29,14 @@ Array = np.ndarray
 SIZES = (0.25, 1.0, 3.0)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
 
-STEPS = 4
-"""Gauss-Newton steps of a quick fit."""
-
-_DAMPING = 1e-3
-
 
 @dataclass(frozen=True)
 class Screened:
-    """An effect, the problem with it added, where the quick fit ended and its cost there."""
+    """An effect, the problem with it added, where to fit from (best first), its cost there."""
 
     effect: str
     problem: Problem
-    z: Array
+    starts: tuple[Array, ...]
     cost: float
 
 
@@ -56,13 +53,18 @@ def _insert(problem: Problem, z: Array, e: Array) -> Array:
     return np.concatenate([z[:size], e, z[size:]])
 
 
+def _neutral(free: tuple[Free, ...]) -> Array:
+    """Return the variables of an effect of no size, its shapes at their typical values."""
+    return np.array([
+        f.variable(f.knob.typical) if f.knob.shape else
+        0.0 if f.knob.inverse else f.variable(f.knob.neutral) for f in free])
+
+
 def _trials(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
         return _oscillations(free, frequencies)
-    neutral = np.array([
-        f.variable(f.knob.typical) if f.knob.shape else
-        0.0 if f.knob.inverse else f.variable(f.knob.neutral) for f in free])
+    neutral = _neutral(free)
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
     steps = [size * sign for size in SIZES for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
@@ -84,7 +86,7 @@ def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
     trials = []
     for frequency in frequencies:
         for phase in (0.0, 1.571, 3.142, -1.571):
-            e = np.zeros(len(free))
+            e = _neutral(free)
             e[names.index('supply.ripple')] = 0.5
             e[names.index('supply.ripple_frequency')] = free[
                 names.index('supply.ripple_frequency')].variable(frequency)
@@ -122,10 +124,13 @@ class _Reference:
     z: Array
     jacobian: Array
     solver: Array
+    left: Array
 
 
-def _reference(fit: Fit) -> _Reference:
-    return _Reference(fit.z, fit.jacobian, np.linalg.pinv(fit.jacobian, rcond=1e-8))
+def _reference(problem: Problem, fit: Fit) -> _Reference:
+    solver = np.linalg.pinv(fit.jacobian, rcond=1e-8)
+    r = problem.residuals(fit.z)
+    return _Reference(fit.z, fit.jacobian, solver, r - fit.jacobian @ (solver @ r))
 
 
 def references(problem: Problem, fit: Fit) -> list[_Reference]:
@@ -135,56 +140,49 @@ def references(problem: Problem, fit: Fit) -> list[_Reference]:
     A refit without the effect may have bent the declared parameters so far to imitate it that
     the true ones are out of linear reach; the given ones are near them.
     """
-    return [_reference(fit), _reference(problem.at(problem.start()))]
+    return [_reference(problem, fit), _reference(problem, problem.at(problem.start()))]
 
 
 def screen(problem: Problem, around: list[_Reference], name: str, frequencies: Array) -> Screened:
     """Return the quick joint fit of one effect on top of a fitted problem."""
     joint = with_effect(problem, EFFECTS[name])
-    where = len(problem.freedoms)
-    free = joint.freedoms[where:]
+    free = joint.freedoms[len(problem.freedoms):]
     low, high = joint.bounds()
-    best = Screened(name, joint, joint.start(), float('inf'))
-    jacobian = around[0].jacobian
+    starts, costs = [], []
     for reference in around:
-        for e in _trials(free, frequencies):
-            r = joint.residuals(_insert(problem, reference.z, e))
-            step = -reference.solver @ r
-            cost = float(np.sum((r + reference.jacobian @ step) ** 2))
-            if cost < best.cost:
-                z = np.clip(_insert(problem, reference.z + step, e), low, high)
-                best = Screened(name, joint, z, cost)
-                jacobian = reference.jacobian
-    if not np.isfinite(best.cost):
-        return best
-    return _improve(joint, best, jacobian, where, low, high)
+        best, lowest = None, float('inf')
+        for trial in _trials(free, frequencies):
+            cost, z = _along(problem, joint, reference, trial)
+            if cost < lowest:
+                best, lowest = z, cost
+        if best is not None:
+            starts.append(np.clip(best, low, high))
+            costs.append(lowest)
+    order = np.argsort(costs)
+    return Screened(name, joint, tuple(starts[k] for k in order), min(costs, default=float('inf')))
 
 
-def _improve(joint: Problem, start: Screened, jacobian: Array, where: int, low: Array,
-             high: Array) -> Screened:
-    """Return the quick fit after a few Gauss-Newton steps; only the effect's columns are new."""
-    added = len(joint.freedoms) - where
-    z = start.z
-    r = joint.residuals(z)
-    cost = float(r @ r)
-    for _ in range(STEPS):
-        columns = []
-        for j in range(where, where + added):
-            moved = z.copy()
-            step = DIFFERENCE if z[j] + DIFFERENCE <= high[j] else -DIFFERENCE
-            moved[j] += step
-            columns.append((joint.residuals(moved) - r) / step)
-        full = np.concatenate(
-            [jacobian[:, :where], np.array(columns).T, jacobian[:, where:]], axis=1)
-        normal = full.T @ full
-        move = np.linalg.solve(
-            normal + _DAMPING * np.diag(np.diag(normal) + 1e-9), -full.T @ r)
-        for share in (1.0, 0.4, 0.1):
-            trial = np.clip(z + share * move, low, high)
-            tried = joint.residuals(trial)
-            if tried @ tried < cost:
-                break
-        if not tried @ tried < cost * (1.0 - 1e-3):
-            break
-        z, r, cost = trial, tried, float(tried @ tried)
-    return Screened(start.effect, joint, z, cost)
+def _reach(problem: Problem, joint: Problem, reference: _Reference, e: Array
+           ) -> tuple[Array, Array]:
+    """Return what remains of the residuals at sizes e when all else reacts, and z there."""
+    r = joint.residuals(_insert(problem, reference.z, e))
+    step = -reference.solver @ r
+    return r + reference.jacobian @ step, _insert(problem, reference.z + step, e)
+
+
+def _along(problem: Problem, joint: Problem, reference: _Reference, e: Array
+           ) -> tuple[float, Array]:
+    """Return the least cost on the way from neutral to e and beyond it, and z there."""
+    free = joint.freedoms[len(problem.freedoms):]
+    low = np.array([f.low for f in free])
+    high = np.array([f.high for f in free])
+    neutral = _neutral(free)
+    left, z = _reach(problem, joint, reference, e)
+    cost = float(left @ left)
+    change = left - reference.left
+    share = -float(reference.left @ change) / max(float(change @ change), 1e-300)
+    better = np.clip(neutral + min(max(share, 0.05), 2.0) * (e - neutral), low, high)
+    left, moved = _reach(problem, joint, reference, better)
+    if left @ left < cost:
+        return float(left @ left), moved
+    return cost, z

@@ -7,14 +7,16 @@ Model: the declared model with its parameters refitted within their priors, plus
 named effects. Numbered as carried out:
 
 1. refit the declared parameters on the fit segments;
-2. screen every effect in the catalogue by a quick joint fit (see screening) on a thinned record;
-3. fit the most promising jointly with the declared parameters, on the fit segments;
+2. screen every effect in the catalogue with the declared parameters reacting (see screening);
+3. fit the most promising jointly with the declared parameters, on the fit segments, thinned, a
+   few steps from both starts that screening found, then the cheapest to their end;
 4. score them on the select segments; the score is the sum of squared scaled residuals and of the
    departures that the priors of the declared parameters hold against a model;
 5. keep the best few and go on from 2 for a second and a third effect while the score falls by
-   more than one standard error (paired, over segments) and by a share that matters;
+   more than one standard error (paired, over segments), by a share that matters, and by a third
+   of what noise does not explain;
 6. try to leave out every effect again (backward);
-7. of models whose scores are not told apart, the one with the fewest effects is taken.
+7. of models whose scores are not told apart, the one with the fewest sizes is taken.
 """
 
 from collections.abc import Callable
@@ -34,25 +36,35 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
-NEAR_NOISE = 1.1
+NEAR_NOISE = 1.15
 """Mean square misfit below which no further effect is looked for."""
 
 EVALUATIONS = 10
 """Steps of one fit."""
 
 MOST_EFFECTS = 3
-FINALISTS = 4
-"""Effects per round that are fitted in full."""
+PROMISING = 6
+FIRST_EVALUATIONS = 4
+"""Effects per round that are fitted for so many steps from each of their starts."""
+
+FINALISTS = 6
+HOPELESS = 6.0
+"""Fits per round that are carried to their end, unless they cost so much more than the best."""
 
 WORTH_ADDING = 0.05
 """An effect must lower the score by this share: less is below what noise and rounding hide."""
 
-TOO_SIMILAR = 0.01
+WORTH_EXPLAINING = 0.3
+"""And it must explain this share of what noise does not."""
+
+NEGLIGIBLE = 2e-3
+"""Of the declared model's excess over noise, this share may be what idealising an effect leaves."""
+
+TOO_SIMILAR = 0.03
 """Models whose scores differ by less than this share are not told apart by a record."""
 
 THINNING = 8
-THINNING_FITS = 5
-"""Screening uses every eighth row, fits every fifth (all rows where the drive jumps)."""
+"""Fits use every eighth row, and all rows where the drive jumps."""
 
 ENOUGH_ROWS = 1500
 """Records are not thinned to fewer rows: a short sweep is used whole."""
@@ -88,10 +100,11 @@ def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
     return worse.score - better.score, error
 
 
-def clearly_better(better: Candidate, worse: Candidate, share: float = WORTH_ADDING) -> bool:
-    """Tell whether the score falls by more than one standard error and by `share`."""
+def clearly_better(better: Candidate, worse: Candidate) -> bool:
+    """Tell whether the score falls by more than one standard error and by what matters."""
     fall, error = gain(worse, better)
-    return fall > error and fall > share * worse.score
+    excess = max(worse.score - worse.samples, 0.0)
+    return fall > error and fall > WORTH_ADDING * worse.score and fall > WORTH_EXPLAINING * excess
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +134,7 @@ class Search:
 
     def problem(self) -> Problem:
         """Return the refit of the declared parameters on the fit segments."""
-        rows, experiment = self.rows_and_experiment(('fit',), THINNING_FITS)
+        rows, experiment = self.rows_and_experiment(('fit',), THINNING)
         return Problem(experiment, rows, self.declared, self.freedoms)
 
     def rate(self, effects: tuple[str, ...], problem: Problem, fit: Fit) -> Candidate:
@@ -162,25 +175,9 @@ class Search:
         body = [known.get((f.knob.parameter, f.element), 0.0) for f in target.freedoms]
         return np.concatenate([body, source.fit.z[len(source.problem.freedoms):]])
 
-    def thorough(self, problem: Problem, z: Array) -> Fit:
-        """
-        Return the better of two fits: from z, and from its effects with all else as given.
-
-        The way from the refit without an effect can end in a corner of the declared parameters,
-        where they imitated the effect; the way from the given ones does not begin there.
-        """
-        first = problem.fit(z, evaluations=EVALUATIONS)
-        if first.cost < NEAR_NOISE * problem.rows_counted():
-            return first
-        fresh = first.z.copy()
-        fresh[:len(self.freedoms)] = 0.0
-        fresh[len(problem.freedoms):] = 0.0
-        second = problem.fit(fresh, evaluations=EVALUATIONS)
-        return min(first, second, key=lambda fit: fit.cost)
-
     def extend(self, parent: Candidate, tick: Callable[[], None]) -> list[Candidate]:
         """Return the best models with one effect more than `parent`, best first."""
-        thin = self.on(parent.problem, ('fit',), THINNING)
+        thin = parent.problem
         around = references(thin, thin.at(parent.fit.z))
         frequencies = strong_frequencies(thin, parent.fit.z)
         names = [name for name in self.names if name not in parent.effects and
@@ -193,20 +190,28 @@ class Search:
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             screened = sorted(pool.map(one, names), key=lambda s: s.cost)
-        found = []
-        for quick in screened[:FINALISTS]:
-            joint = with_effect(parent.problem, EFFECTS[quick.effect])
-            fit = self.thorough(joint, quick.z)
-            found.append(self.rate((*parent.effects, quick.effect), joint, fit))
+        begun: list[tuple[Screened, Fit]] = []
+        for quick in screened[:PROMISING]:
+            begun += [(quick, quick.problem.fit(z, evaluations=FIRST_EVALUATIONS))
+                      for z in quick.starts]
             tick()
-        return preferred_first(found)
+        begun.sort(key=lambda b: b[1].cost)
+        ended: dict[str, tuple[Screened, Fit]] = {}
+        for quick, fit in begun[:FINALISTS]:
+            if fit.cost < HOPELESS * begun[0][1].cost:
+                fit = quick.problem.fit(fit.z, evaluations=EVALUATIONS)
+            if quick.effect not in ended or fit.cost < ended[quick.effect][1].cost:
+                ended[quick.effect] = quick, fit
+            tick()
+        return preferred_first([self.rate((*parent.effects, name), quick.problem, fit)
+                                for name, (quick, fit) in ended.items()])
 
 
 def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
     """
     Return the candidates by score; of those not told apart from the best, the plainest first.
 
-    Plainest: fewest parameters, then the order of the catalogue, which lists common causes first.
+    Plainest: fewest sizes, then the order of the catalogue, which lists common causes first.
     """
     ranked = sorted(candidates, key=lambda c: c.score)
     if not ranked:
@@ -215,7 +220,8 @@ def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
     order = list(EFFECTS)
 
     def plainness(c: Candidate) -> tuple[int, int]:
-        return len(c.problem.freedoms), sum(order.index(e) for e in c.effects)
+        sizes = sum(not free.knob.shape for free in c.problem.freedoms)
+        return sizes, sum(order.index(e) for e in c.effects)
 
     ties.sort(key=plainness)
     return ties + [c for c in ranked if c not in ties]

@@ -33,6 +33,9 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
 LOCATION_NAMES = {'pressure_sensor': 'sensor', 'position_sensor': 'sensor'}
 """Locations as reports print them, where they differ from the table's."""
 
+SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
+"""Parts of the linear move that are tried: far away the model bends."""
+
 WIDEST = 30.0
 """Standard deviation of the prior on a value, in typical sizes: keeps unseen knots near zero."""
 
@@ -76,8 +79,13 @@ def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
                    problem.freedoms + values_free)
 
 
-def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Array, Problem]:
-    """Return the cost that a term can reach by linear reckoning, the z there, and its problem."""
+def linear_reach(problem: Problem, reference: Fit, one: Term
+                 ) -> tuple[float, Array, Array, Problem]:
+    """
+    Return what a term can reach by linear reckoning.
+
+    The cost, z without the term, the move in z that is to be tried, and the term's problem.
+    """
     joint = with_term(problem, reference, one)
     where = len(problem.freedoms)
     z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
@@ -102,4 +110,11 @@ def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Ar
         jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / (3.0, 4.0)[j]
     move = np.linalg.lstsq(jacobian, -r, rcond=1e-9)[0]
     left = r + jacobian @ move
-    return float(left @ left), z + move, joint
+    return float(left @ left), z, move, joint
+
+
+def moved(joint: Problem, z: Array, move: Array) -> Array:
+    """Return z after that part of the move which costs least, within the bounds."""
+    low, high = joint.bounds()
+    places = [np.clip(z + share * move, low, high) for share in SHARES]
+    return min(places, key=lambda place: float(np.sum(joint.residuals(place)**2)))
