@@ -49,7 +49,7 @@ WAITING, PLAYING, DONE = 'waiting', 'playing', 'done'
 
 QUEUE_DEPTH = 10
 LOOK_PERIOD = 0.05
-DELIVERY_TIMEOUT = Duration(seconds=1)
+DELIVERY_TIMEOUT = Duration(seconds=3)
 
 
 class FakeController(Node):
