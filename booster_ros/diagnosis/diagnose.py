@@ -227,7 +227,7 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
     fresh[len(problem.freedoms):] = 0.0
     for j, free in enumerate(problem.freedoms):
         if free.knob.shape:
-            fresh[j] = free.variable(free.knob.typical)
+            fresh[j] = free.without_size
     again = problem.fit(fresh, evaluations=EVALUATIONS)
     return problem, min(fit, again, key=lambda found: found.cost)
 

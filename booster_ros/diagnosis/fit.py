@@ -81,6 +81,13 @@ class Free:
         """Return z for a value."""
         return (self.knob.to_fit(value) - self.centre) / self.scale
 
+    @property
+    def without_size(self) -> float:
+        """Where z stands while the effect has no size: neutral, but a shape is typical."""
+        if self.knob.shape:
+            return self.variable(self.knob.typical)
+        return 0.0 if self.knob.inverse else self.variable(self.knob.neutral)
+
 
 def put(p: PositionerParameters, name: str, value: float, element: int | None = None
         ) -> PositionerParameters:
@@ -269,14 +276,14 @@ class Problem:
         begin = self.start() if z is None else z
         margin = 1e-6 * np.minimum(high - low, 1.0)
         begin = np.clip(begin, low + margin, high - margin)
-        # the first trust region is as large as the start vector: shift it, so that a start near
-        # zero is not taken for a wish to move in small steps
         latest: list[Array] = []
 
         def jacobian(v: Array) -> Array:
             latest[:] = [self.jacobian(v - _SHIFT, *latest)]
             return latest[0]
 
+        # the first trust region is as large as the start vector: shift it, so that a start near
+        # zero is not taken for a wish to move in small steps
         found = least_squares(
             lambda v: self.residuals(v - _SHIFT), begin + _SHIFT, jacobian,
             bounds=(low + _SHIFT, high + _SHIFT),

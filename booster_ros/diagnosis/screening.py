@@ -55,9 +55,7 @@ def _insert(problem: Problem, z: Array, e: Array) -> Array:
 
 def _neutral(free: tuple[Free, ...]) -> Array:
     """Return the variables of an effect of no size, its shapes at their typical values."""
-    return np.array([
-        f.variable(f.knob.typical) if f.knob.shape else
-        0.0 if f.knob.inverse else f.variable(f.knob.neutral) for f in free])
+    return np.array([f.without_size for f in free])
 
 
 def _trials(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
