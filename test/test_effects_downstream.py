@@ -318,6 +318,11 @@ def test_spring_s_curve_is_odd_about_the_middle():
     assert curve + curve[::-1] == pytest.approx(0.0, abs=5.0)
 
 
+def test_spring_excess_grows_with_the_travel():
+    assert departure({'actuator.spring_excess': 300.0}, SHARES * TRAVEL) == pytest.approx(
+        300.0 * SHARES, abs=3.0)
+
+
 def test_area_change_grows_with_position():
     change = 0.05
     run = sweep({'actuator.area_change': change})

@@ -40,6 +40,9 @@ PLAUSIBLE = 12.0
 WELL_EXPLAINED = 1.5
 """Mean square misfit up to which named effects count as the whole explanation."""
 
+LIKELY_TERMS = 4
+"""Terms without a name that are fitted: those that reach furthest by linear reckoning."""
+
 BEAM = 2
 """Models that are carried to the next round: the first effect found need not be a true one."""
 
@@ -91,15 +94,22 @@ def _forward(search: Search, tell: Progress) -> _Tried:
             break
         ranked = _round(search, beam, level, tell)
         everything += ranked
-        if not ranked or not clearly_better(ranked[0], chosen):
+        if ranked and clearly_better(ranked[0], chosen):
+            chosen = ranked[0]
+        elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
             break
-        chosen = ranked[0]
-        beam = [c for c in ranked[:BEAM] if c.score < HOPELESS * chosen.score]
+        beam = [c for c in ranked[:BEAM] if c.score < HOPELESS * ranked[0].score]
+    chosen = _exchanged(search, chosen, everything, tell)
     chosen = _backward(search, chosen, everything)
     reasons = {c.effects: _reason(c, chosen) for c in everything}
     reasons[chosen.effects] = 'chosen'
     reasons[()] = 'the declared model, refitted'
     return _Tried(refit, chosen, tuple(everything), reasons)
+
+
+def _patience(chosen: Candidate) -> int:
+    """Return how many rounds may find nothing clear: of two effects each alone may not show."""
+    return 1 if chosen.misfit > WELL_EXPLAINED else 0
 
 
 def _explained(chosen: Candidate, refit: Candidate) -> bool:
@@ -127,16 +137,35 @@ def _round(search: Search, beam: list[Candidate], level: int, tell: Progress) ->
     return preferred_first(list(found.values()))
 
 
+def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress
+               ) -> Candidate:
+    """
+    Try every other effect in the place of each of several.
+
+    The first was chosen while the others were missing and may have imitated them; what does as
+    well in its place is told apart from it here, or reported beside it.
+    """
+    if len(chosen.effects) < 2:
+        return chosen
+    for k, name in enumerate(chosen.effects):
+        rest = tuple(e for e in chosen.effects if e != name)
+        tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
+        parent = search.without(chosen, rest)
+        others = search.extend(parent, lambda: None, leave_out=(name,))
+        everything += others
+        best = preferred_first([chosen, *others])[0]
+        if best is not chosen:
+            return best
+    return chosen
+
+
 def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
     """Leave out every effect that the others do not need."""
     if len(chosen.effects) < 2:
         return chosen
     for name in chosen.effects[:-1]:
         rest = tuple(e for e in chosen.effects if e != name)
-        problem = search.problem()
-        problem = search.joint(problem, rest)
-        z = search.carried(chosen, problem)
-        smaller = search.rate(rest, problem, problem.fit(z, evaluations=EVALUATIONS))
+        smaller = search.without(chosen, rest)
         everything.append(smaller)
         if not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything)
@@ -153,25 +182,30 @@ def _reason(candidate: Candidate, chosen: Candidate) -> str:
 
 
 def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
-    """Return the best model with a tabulated term, None where named effects explain the record."""
+    """
+    Return the best model with a tabulated term, None where named effects explain the record.
+
+    Where no named effect helps and much is left, noise is no explanation either: then the terms
+    compete on fit and select segments together, for what is missing may show in some of them only.
+    """
     if tried.chosen.misfit < WELL_EXPLAINED or _explained(tried.chosen, tried.refit):
         return None
     thin = tried.refit.problem
-    best: Candidate | None = None
     references = [thin.at(tried.refit.fit.z), thin.at(thin.start())]
     reached = sorted(
         ((*linear_reach(thin, reference, one), one) for reference in references
          for one in terms(search.experiment.channels)), key=lambda found: found[0])
-    seen: set[str] = set()
+    candidates: dict[str, Candidate] = {}
     for _, z, move, joint, one in reached:
-        if one.label in seen or len(seen) >= 3:
+        if one.label in candidates or len(candidates) >= LIKELY_TERMS:
             continue
-        seen.add(one.label)
         fit = joint.fit(moved(joint, z, move), evaluations=EVALUATIONS)
-        candidate = search.rate((f'unknown: {one.label}',), joint, fit)
-        if best is None or candidate.score < best.score:
-            best = candidate
-    return best
+        candidates[one.label] = search.rate((f'unknown: {one.label}',), joint, fit)
+    best = min(candidates.values(), key=lambda c: c.score)
+    if tried.chosen.effects or clearly_better(best, tried.refit):
+        return best
+    together = [search.on_both(candidate) for candidate in candidates.values()]
+    return min(together, key=lambda c: c.fit.cost)
 
 
 def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: tuple[str, ...]
@@ -184,7 +218,7 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
     verdict, best = 'none', tried.refit
     if tried.chosen.effects:
         verdict, best = 'effect', tried.chosen
-    if unnamed is not None and clearly_better(unnamed, best):
+    if unnamed is not None and (not tried.chosen.effects or clearly_better(unnamed, best)):
         verdict, best = 'unknown', unnamed
     problem, after = _final(search, best)
     effects: tuple[FoundEffect, ...] = ()

@@ -8,7 +8,7 @@ import numpy as np
 
 from booster_ros.model.simulation import Simulation, simulate
 from booster_ros.model.stream import LONGEST_INTERVAL as DEFAULT_LONGEST_INTERVAL
-from booster_ros.model.system import PositionerParameters
+from booster_ros.model.system import CENTRED, Departure, PositionerParameters
 
 Array = np.ndarray
 
@@ -33,7 +33,7 @@ class Initial:
     """Where the model starts: departures from the first row that a fit may turn."""
 
     chamber_pressure: float
-    back_pressure_departure: float = 0.0
+    departure: Departure = CENTRED
     valve_position: float | None = None
 
 
@@ -79,7 +79,7 @@ class Experiment:
             state['valve_position'] = start.valve_position
         return simulate(
             parameters, self.time, self.current, state, self.pinned,
-            back_pressure_departure=start.back_pressure_departure,
+            departure=start.departure,
             longest_interval=self._longest_interval(parameters))
 
     def _longest_interval(self, parameters: PositionerParameters) -> float:

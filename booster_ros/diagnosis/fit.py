@@ -23,7 +23,7 @@ from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import Effect, Knob
 from booster_ros.model.parameters import ParameterError, check_consistent
-from booster_ros.model.system import PositionerParameters
+from booster_ros.model.system import Departure, PositionerParameters
 
 Array = np.ndarray
 
@@ -39,6 +39,11 @@ change) later ones go. Larger ones bend, smaller ones drown in the solver's own 
 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
 
 _SHIFT = 5.0
+
+START = np.array([3.0, 4.0, 1.0, 1.0])
+"""Spread of the start: pressure in 100 Pa, back pressure in 500 Pa, places in the two plays."""
+
+START_BOUND = (np.inf, np.inf, 1.0, 1.0)
 
 FAR = 1e3
 """Scaled residual where the model cannot run; large, finite, flat: a fit turns away."""
@@ -179,7 +184,7 @@ class Problem:
     @property
     def nuisances(self) -> int:
         """Number of variables for the start, behind those of the parameters."""
-        return 0 if 'chamber_pressure' in self.experiment.pinned else 2
+        return 0 if 'chamber_pressure' in self.experiment.pinned else len(START)
 
     def parameters(self, z: Array) -> PositionerParameters:
         """Return the parameters at z."""
@@ -197,9 +202,9 @@ class Problem:
             seen = start.valve_position - p.sensors.position_bias
             start = replace(start, valve_position=seen / (1.0 + p.sensors.position_span_error))
         if self.nuisances:
-            pressure, departure = z[len(self.freedoms):]
+            pressure, back, ep_play, position_play = z[len(self.freedoms):]
             start = replace(
-                start, back_pressure_departure=500.0 * departure,
+                start, departure=Departure(500.0 * back, ep_play, position_play),
                 chamber_pressure=start.chamber_pressure + 100.0 * pressure
                 - p.sensors.pressure_bias)
         return start
@@ -226,7 +231,7 @@ class Problem:
             parts.append(np.nan_to_num(scaled, nan=FAR, posinf=FAR, neginf=-FAR))
         priors = [variable / free.sigma for free, variable in zip(self.freedoms, z)
                   if np.isfinite(free.sigma)]
-        start = z[len(self.freedoms):] / np.array([3.0, 4.0]) if self.nuisances else []
+        start = z[len(self.freedoms):] / START if self.nuisances else []
         return np.concatenate([*parts, priors, start])
 
     def jacobian(self, z: Array, before: Array | None = None) -> Array:
@@ -249,7 +254,22 @@ class Problem:
             moved[j] += step
             return (self.residuals(moved) - here) / step
 
-        return np.stack(list(_POOL.map(column, range(len(z)))), axis=1)
+        silent = self._silent(z)
+        columns = np.zeros((len(here), len(z)))
+        told = [j for j in range(len(z)) if j not in silent]
+        for j, change in zip(told, _POOL.map(column, told)):
+            columns[:, j] = change
+        for j in silent:  # its prior is all that such a variable moves
+            columns[len(here) + j - len(z), j] = 1.0 / START[j - len(self.freedoms)]
+        return columns
+
+    def _silent(self, z: Array) -> list[int]:
+        """Return the variables of the start that cannot matter: without play none has a place."""
+        if not self.nuisances:
+            return []
+        p = self.parameters(z)
+        plays = p.ep_converter.hysteresis, p.sensors.position_backlash
+        return [len(self.freedoms) + k for k, width in enumerate(plays, 2) if width <= 0.0]
 
     def rows_counted(self) -> int:
         """Return how many measurements count, over all channels."""
@@ -261,9 +281,10 @@ class Problem:
         return np.zeros(len(self.freedoms) + self.nuisances)
 
     def bounds(self) -> tuple[Array, Array]:
-        """Return the lower and upper bounds of z; the start's variables have none."""
-        return (np.array([f.low for f in self.freedoms] + [-np.inf] * self.nuisances),
-                np.array([f.high for f in self.freedoms] + [np.inf] * self.nuisances))
+        """Return the lower and upper bounds of z."""
+        width = START_BOUND[:self.nuisances]
+        return (np.array([f.low for f in self.freedoms] + [-w for w in width]),
+                np.array([f.high for f in self.freedoms] + [w for w in width]))
 
     def at(self, z: Array) -> Fit:
         """Return z as a fit, with its Jacobian there."""

@@ -94,7 +94,11 @@ def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
     return trials
 
 
-def strong_frequencies(problem: Problem, z: Array, count: int = 3) -> Array:
+ABOVE_NOISE = 15.0
+"""A line stands out if its power is so many times the median power: of noise, 1 in 30000 does."""
+
+
+def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
     """Return the strongest frequencies, Hz, in the residual of the first channel."""
     predicted = problem.predict(z)
     time = problem.experiment.time
@@ -105,14 +109,17 @@ def strong_frequencies(problem: Problem, z: Array, count: int = 3) -> Array:
     frequency, power = periodogram(
         residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear')
     # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
-    weighted = power * frequency**2
-    weighted[(frequency < 0.02) | (frequency > 15.0)] = 0.0
+    lines = np.maximum(power - ABOVE_NOISE * float(np.median(power)), 0.0)
+    lines[(frequency < 0.02) | (frequency > 15.0)] = 0.0
+    weighted = lines * frequency**2
     found = []
-    for _ in range(count):
-        k = int(np.argmax(weighted))
-        found.append(frequency[k])
-        weighted[max(k - 3, 0):k + 4] = 0.0
-    return np.array(found)
+    for ranking in (weighted, lines):
+        ranking = ranking.copy()
+        for _ in range(count // 2):
+            k = int(np.argmax(ranking))
+            found.append(float(frequency[k]))
+            ranking[max(k - 3, 0):k + 4] = 0.0
+    return np.array(sorted(set(found) - {0.0}) or [0.5])
 
 
 @dataclass(frozen=True)

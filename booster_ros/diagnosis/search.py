@@ -175,12 +175,25 @@ class Search:
         body = [known.get((f.knob.parameter, f.element), 0.0) for f in target.freedoms]
         return np.concatenate([body, source.fit.z[len(source.problem.freedoms):]])
 
-    def extend(self, parent: Candidate, tick: Callable[[], None]) -> list[Candidate]:
+    def without(self, chosen: Candidate, rest: tuple[str, ...]) -> Candidate:
+        """Return the model with these of the chosen effects only, fitted from what they were."""
+        problem = self.joint(self.problem(), rest)
+        return self.rate(rest, problem, problem.fit(
+            self.carried(chosen, problem), evaluations=EVALUATIONS))
+
+    def on_both(self, candidate: Candidate) -> Candidate:
+        """Return the model fitted to the fit and select segments, thinned as they were."""
+        problem = self.on(candidate.problem, ('fit', 'select'), THINNING)
+        return self.rate(candidate.effects, problem, problem.fit(
+            candidate.fit.z, evaluations=EVALUATIONS))
+
+    def extend(self, parent: Candidate, tick: Callable[[], None],
+               leave_out: tuple[str, ...] = ()) -> list[Candidate]:
         """Return the best models with one effect more than `parent`, best first."""
         thin = parent.problem
         around = references(thin, thin.at(parent.fit.z))
         frequencies = strong_frequencies(thin, parent.fit.z)
-        names = [name for name in self.names if name not in parent.effects and
+        names = [name for name in self.names if name not in (*parent.effects, *leave_out) and
                  not redundant(name, parent.effects)]
 
         def one(name: str) -> Screened:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from booster_ros.diagnosis.fit import Fit, Free, Problem
+from booster_ros.diagnosis.fit import START, Fit, Free, Problem
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy
@@ -107,7 +107,7 @@ def linear_reach(problem: Problem, reference: Fit, one: Term
             jacobian[row, j] = 1.0 / free.sigma
     tail = joint.nuisances
     for j in range(tail):
-        jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / (3.0, 4.0)[j]
+        jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / START[j]
     move = np.linalg.lstsq(jacobian, -r, rcond=1e-9)[0]
     left = r + jacobian @ move
     return float(left @ left), z, move, joint

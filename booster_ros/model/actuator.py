@@ -61,6 +61,9 @@ class Actuator(NamedTuple):
         -1e6, 1e6)] = 0.0
     spring_s_curve: Annotated[float, Quantity(
         'N', 'spring_nonlinearity: odd part, at a quarter of the travel', -1e6, 1e6)] = 0.0
+    spring_excess: Annotated[float, Quantity(
+        'N', 'spring_nonlinearity: spring force at full travel beyond that of the bench set',
+        -1e6, 1e6)] = 0.0
     seat_load: Annotated[float, Quantity(
         'N', 'seat_load: force of the soft seat on the closed stem (opening)', -1e6, 1e6)] = 0.0
     seat_depth: Annotated[float, Quantity(
@@ -131,8 +134,9 @@ def spring_force(act: Actuator, position: float) -> float:
     span = act.bench_set[1] - act.bench_set[0]
     xi = position / act.travel
     force = act.effective_area * (low + span * xi)
-    if act.spring_bend != 0.0 or act.spring_s_curve != 0.0:
+    if act.spring_bend != 0.0 or act.spring_s_curve != 0.0 or act.spring_excess != 0.0:
         inside = min(max(xi, 0.0), 1.0)
+        force += act.spring_excess * inside
         bow = inside * (1.0 - inside)
         force += 4.0 * act.spring_bend * bow
         force += 32.0 / 3.0 * act.spring_s_curve * bow * (1.0 - 2.0 * inside)

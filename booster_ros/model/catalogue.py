@@ -174,9 +174,10 @@ _ROWS = (
     _effect(
         'spring_nonlinearity', 'stem', 'the spring is not a straight line',
         'positions across the travel', 'spring test without the diaphragm',
-        'bow and S-curve about the straight spring',
+        'slope, bow and S-curve beside the straight spring',
         Knob('actuator.spring_bend', 300.0, -5e3, 5e3),
-        Knob('actuator.spring_s_curve', 100.0, -5e3, 5e3)),
+        Knob('actuator.spring_s_curve', 100.0, -5e3, 5e3),
+        Knob('actuator.spring_excess', 300.0, -5e3, 5e3)),
     _effect(
         'effective_area_change', 'stem', 'the diaphragm area falls over the travel',
         'positions across the travel', 'spring test without the diaphragm',

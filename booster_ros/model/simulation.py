@@ -12,7 +12,8 @@ from .kernel import interval
 from .solver import new_workspace
 from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
-    MEMORIES, Outputs, PositionerParameters, hold_inactive_states, observe, start_memory)
+    CENTRED, MEMORIES, Departure, Outputs, PositionerParameters, hold_inactive_states, observe,
+    start_memory)
 
 DEFAULT_STEP = 1e-3
 """Interval of the stepping plant, s."""
@@ -125,7 +126,7 @@ def simulate(
     pinned: Mapping[str, np.ndarray] | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
     compiled: bool = True,
-    back_pressure_departure: float = 0.0,
+    departure: Departure = CENTRED,
     longest_interval: float = LONGEST_INTERVAL,
 ) -> Simulation:
     """
@@ -133,8 +134,8 @@ def simulate(
 
     A current stands from its row to the next. `initial` may hold values of the state at the first
     row (keys `STATE_NAMES`, else settled, chamber vented); `pinned` channels (same keys) follow
-    the given series instead of the equations. `back_pressure_departure` (Pa) is how far from
-    settled the E/P converter starts; intervals between rows that are longer than
+    the given series instead of the equations. `departure` is how far from
+    settled they start; intervals between rows that are longer than
     `longest_interval` (s) are divided. ValueError where shapes or times do not fit.
     """
     held = dict(pinned or {})
@@ -143,7 +144,7 @@ def simulate(
         raise ValueError('time and control_current must not be empty')
     stream = Stream(
         parameters, float(time[0]), float(control_current[0]), start, tuple(held), tolerance,
-        compiled, back_pressure_departure, longest_interval)
+        compiled, departure, longest_interval)
     columns = stream.advance(time, control_current, held)
     return Simulation(columns, stream.state)
 

@@ -15,9 +15,9 @@ from .kernel import OBSERVED, run
 from .solver import Workspace, new_workspace
 from .supply import set_pressure
 from .system import (
-    BACK, CHAMBER, MEMORIES, OUTLET, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY,
-    TEMPERATURE, Outputs, PositionerParameters, discrepancy_at, held_force, hold_inactive_states,
-    is_active, start_memory)
+    BACK, CENTRED, CHAMBER, MEMORIES, OUTLET, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY,
+    TEMPERATURE, Departure, Outputs, PositionerParameters, discrepancy_at, held_force,
+    hold_inactive_states, is_active, start_current, start_memory)
 
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""
@@ -69,25 +69,25 @@ class Stream:
         self, parameters: PositionerParameters, time: float, control_current: float,
         initial: Mapping[str, float] | None = None, pinned: tuple[str, ...] = (),
         tolerance: float = DEFAULT_TOLERANCE, compiled: bool = True,
-        back_pressure_departure: float = 0.0, longest_interval: float = LONGEST_INTERVAL,
+        departure: Departure = CENTRED, longest_interval: float = LONGEST_INTERVAL,
     ) -> None:
         """
         Start at `time`, settled at a current, the chamber vented.
 
-        `initial` may hold other values of the state (keys `STATE_NAMES`), and the back pressure
-        may be away from settled by a departure in Pa. The states `pinned` are given with each
+        `initial` may hold other values of the state (keys `STATE_NAMES`), and what a state
+        does not say may be away from settled by a `departure`. The states `pinned` are given with each
         portion and follow no equation. Intervals between rows that are longer than
         `longest_interval` (s) are divided.
         """
         given = dict(initial or {})
         y = settled_state(
-            parameters, control_current, given.get('chamber_pressure', 0.0),
-            given.get('valve_position'), time)
+            parameters, start_current(parameters, control_current, departure),
+            given.get('chamber_pressure', 0.0), given.get('valve_position'), time)
         for name, value in given.items():
             y[STATE_NAMES.index(name)] = value
-        y[BACK] += back_pressure_departure
+        y[BACK] += departure.back_pressure
         memory = [0.0] * MEMORIES
-        start_memory(parameters, control_current, y, 1e-3, memory)
+        start_memory(parameters, control_current, y, 1e-3, memory, departure)
         self._parameters = parameters
         self._longest = float(longest_interval)
         self._tolerance = float(tolerance)  # an int would be compiled for anew

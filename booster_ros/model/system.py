@@ -274,15 +274,38 @@ def measure(
         memory[LAGGED_POSITION], start, memory[POSITION_PLAY], p.sensors.position_lag, step)
 
 
-def start_memory(p: PositionerParameters, current: float, y, first_step: float, memory) -> None:
+class Departure(NamedTuple):
+    """
+    How far from settled and centred a positioner starts, of which a command alone tells nothing.
+
+    `back_pressure` in Pa; `ep_play` and `position_play` say where in its play the current's and the
+    position reading's part stands: share of half the width, -1 to 1.
+    """
+
+    back_pressure: float = 0.0
+    ep_play: float = 0.0
+    position_play: float = 0.0
+
+
+CENTRED = Departure()
+
+
+def start_current(p: PositionerParameters, current: float, departure: Departure) -> float:
+    """Return the current that the E/P converter acts on at the start, A."""
+    return current + 0.5 * p.ep_converter.hysteresis * departure.ep_play
+
+
+def start_memory(p: PositionerParameters, current: float, y, first_step: float, memory,
+                 departure: Departure = CENTRED) -> None:
     """Fill the memory for a positioner that has been in state `y` for long."""
     memory[DIRECTION] = 0.0
     memory[TRIAL_STEP] = first_step
     memory[STIFFNESS] = 0.0
-    memory[EP_PLAY] = current
+    memory[EP_PLAY] = start_current(p, current, departure)
     memory[LAGGED_PRESSURE] = y[CHAMBER]
-    memory[POSITION_PLAY] = y[POSITION]
-    memory[LAGGED_POSITION] = y[POSITION]
+    memory[POSITION_PLAY] = y[POSITION] + (
+        0.5 * p.sensors.position_backlash * departure.position_play)
+    memory[LAGGED_POSITION] = memory[POSITION_PLAY]
 
 
 def observe(
