@@ -25,6 +25,7 @@ from booster_ros.diagnosis.search import (
 from booster_ros.diagnosis.segments import rows_of, split
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
+from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
@@ -40,11 +41,14 @@ PLAUSIBLE = 12.0
 WELL_EXPLAINED = 1.5
 """Mean square misfit up to which named effects count as the whole explanation."""
 
+ALIKE = 10.0
+"""Cost by screening, relative to the choice, up to which another effect may be its equal."""
+
+MOSTLY = 0.03
+"""Share of the declared model's excess over noise below which no nameless term competes."""
+
 LIKELY_TERMS = 4
 """Terms without a name that are fitted: those that reach furthest by linear reckoning."""
-
-BEAM = 2
-"""Models that are carried to the next round: the first effect found need not be a true one."""
 
 
 @dataclass(frozen=True)
@@ -88,17 +92,17 @@ def _forward(search: Search, tell: Progress) -> _Tried:
     refit = search.refit()
     everything = [refit]
     chosen = refit
-    beam = [refit]
+    parent = refit
     for level in range(MOST_EFFECTS):
         if _explained(chosen, refit):
             break
-        ranked = _round(search, beam, level, tell)
+        ranked = _round(search, parent, level, tell)
         everything += ranked
         if ranked and clearly_better(ranked[0], chosen):
             chosen = ranked[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
             break
-        beam = [c for c in ranked[:BEAM] if c.score < HOPELESS * ranked[0].score]
+        parent = ranked[0]
     chosen = _exchanged(search, chosen, everything, tell)
     chosen = _backward(search, chosen, everything)
     reasons = {c.effects: _reason(c, chosen) for c in everything}
@@ -109,7 +113,8 @@ def _forward(search: Search, tell: Progress) -> _Tried:
 
 def _patience(chosen: Candidate) -> int:
     """Return how many rounds may find nothing clear: of two effects each alone may not show."""
-    return 1 if chosen.misfit > WELL_EXPLAINED else 0
+    slow = has_dry_friction(chosen.fit.parameters.actuator)
+    return 1 if chosen.misfit > WELL_EXPLAINED and not slow else 0
 
 
 def _explained(chosen: Candidate, refit: Candidate) -> bool:
@@ -119,22 +124,16 @@ def _explained(chosen: Candidate, refit: Candidate) -> bool:
     return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
 
 
-def _round(search: Search, beam: list[Candidate], level: int, tell: Progress) -> list[Candidate]:
-    """Return the models with one effect more than those in the beam, best first."""
-    found: dict[frozenset[str], Candidate] = {}
-    steps = len(beam) * (len(search.names) + PROMISING + FINALISTS)
+def _round(search: Search, parent: Candidate, level: int, tell: Progress) -> list[Candidate]:
+    """Return the models with one effect more than the parent, best first."""
+    steps = len(search.names) + PROMISING + FINALISTS
     done = itertools.count(1)
 
     def tick() -> None:
         share = min(next(done) / steps, 1.0)
-        tell(f'trying effect {level + 1}', 0.05 + 0.25 * (level + share))
+        tell(f'trying effect {level + 1}', 0.05 + 0.2 * (level + share))
 
-    for parent in beam:
-        for candidate in search.extend(parent, tick):
-            key = frozenset(candidate.effects)
-            if key not in found or candidate.score < found[key].score:
-                found[key] = candidate
-    return preferred_first(list(found.values()))
+    return search.extend(parent, tick)
 
 
 def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress
@@ -151,7 +150,8 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
         rest = tuple(e for e in chosen.effects if e != name)
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
         parent = search.without(chosen, rest)
-        others = search.extend(parent, lambda: None, leave_out=(name,))
+        others = search.extend(
+            parent, lambda: None, (name,), worth=ALIKE * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]
         if best is not chosen:
@@ -188,7 +188,9 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
     """
-    if tried.chosen.misfit < WELL_EXPLAINED or _explained(tried.chosen, tried.refit):
+    left, declared = tried.chosen.misfit - 1.0, tried.refit.misfit - 1.0
+    if tried.chosen.misfit < WELL_EXPLAINED or _explained(tried.chosen, tried.refit) or (
+            tried.chosen.effects and left < MOSTLY * declared):
         return None
     thin = tried.refit.problem
     references = [thin.at(tried.refit.fit.z), thin.at(thin.start())]

@@ -58,15 +58,15 @@ def _neutral(free: tuple[Free, ...]) -> Array:
     return np.array([f.without_size for f in free])
 
 
-def _trials(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
+def _trials(free: tuple[Free, ...], frequencies: Array, few: bool) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
         return _oscillations(free, frequencies)
     neutral = _neutral(free)
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
-    steps = [size * sign for size in SIZES for sign in (1.0, -1.0)]
+    steps = [size * sign for size in ((1.0,) if few else SIZES) for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
-    if len(sizes) > 1:
+    if len(sizes) > 1 and not few:
         moves += [dict(zip(sizes, pair)) for pair in itertools.product(SIZES, repeat=len(sizes))]
     trials = []
     for move in moves:
@@ -140,23 +140,28 @@ def _reference(problem: Problem, fit: Fit) -> _Reference:
 
 def references(problem: Problem, fit: Fit) -> list[_Reference]:
     """
-    Return what to screen around: the fit, and the parameters as given.
+    Return what to screen around: the fit, and the same effects with the parameters as given.
 
     A refit without the effect may have bent the declared parameters so far to imitate it that
     the true ones are out of linear reach; the given ones are near them.
     """
-    return [_reference(problem, fit), _reference(problem, problem.at(problem.start()))]
+    given = problem.start()
+    for j, free in enumerate(problem.freedoms):
+        if not np.isfinite(free.sigma):
+            given[j] = fit.z[j]
+    return [_reference(problem, fit), _reference(problem, problem.at(given))]
 
 
-def screen(problem: Problem, around: list[_Reference], name: str, frequencies: Array) -> Screened:
-    """Return the quick joint fit of one effect on top of a fitted problem."""
+def screen(problem: Problem, around: list[_Reference], name: str, frequencies: Array,
+           few: bool = False) -> Screened:
+    """Return the quick joint fit of one effect on top of a fitted problem; `few` sizes only."""
     joint = with_effect(problem, EFFECTS[name])
     free = joint.freedoms[len(problem.freedoms):]
     low, high = joint.bounds()
     starts, costs = [], []
     for reference in around:
         best, lowest = None, float('inf')
-        for trial in _trials(free, frequencies):
+        for trial in _trials(free, frequencies, few):
             cost, z = _along(problem, joint, reference, trial)
             if cost < lowest:
                 best, lowest = z, cost

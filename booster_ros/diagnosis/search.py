@@ -26,11 +26,13 @@ import os
 
 import numpy as np
 
+from booster_ros.diagnosis import cascade
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Fit, Free, Problem
 from booster_ros.diagnosis.screening import (
     Screened, references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.segments import Segment, rows_of
+from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.system import PositionerParameters
 
@@ -50,6 +52,12 @@ FIRST_EVALUATIONS = 4
 FINALISTS = 6
 HOPELESS = 6.0
 """Fits per round that are carried to their end, unless they cost so much more than the best."""
+
+OTHER_START = 2.0
+"""A fit from an effect's other start is given up when it costs so much more than the first."""
+
+FEWEST = 3
+"""So many are fitted even if their screening looks hopeless beside the best."""
 
 WORTH_ADDING = 0.05
 """An effect must lower the score by this share: less is below what noise and rounding hide."""
@@ -72,7 +80,12 @@ ENOUGH_ROWS = 1500
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A model: its effects, its fit, and how it scores on the select segments."""
+    """
+    A model: its effects, its fit, and how it scores on the select segments.
+
+    `confirmed` says that its last effect explains enough of what is seen above the stem, where
+    the stem's friction blurs the whole.
+    """
 
     effects: tuple[str, ...]
     problem: Problem
@@ -80,6 +93,7 @@ class Candidate:
     by_segment: Array
     prior: float
     samples: int
+    confirmed: bool = False
 
     @property
     def score(self) -> float:
@@ -104,7 +118,18 @@ def clearly_better(better: Candidate, worse: Candidate) -> bool:
     """Tell whether the score falls by more than one standard error and by what matters."""
     fall, error = gain(worse, better)
     excess = max(worse.score - worse.samples, 0.0)
-    return fall > error and fall > WORTH_ADDING * worse.score and fall > WORTH_EXPLAINING * excess
+    enough = better.confirmed or fall > WORTH_EXPLAINING * excess
+    return enough and fall > error and fall > WORTH_ADDING * worse.score
+
+
+@dataclass(frozen=True, eq=False)
+class _Begun:
+    """An effect with the first steps of a fit; `confirmed` as in a candidate."""
+
+    effect: str
+    problem: Problem
+    fit: Fit
+    confirmed: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +141,7 @@ class Search:
     declared: PositionerParameters
     freedoms: tuple[Free, ...]
     names: tuple[str, ...] = tuple(EFFECTS)
+    thinning: int = THINNING
 
     def rows_and_experiment(self, roles: tuple[str, ...], factor: int) -> tuple[Array, Experiment]:
         """Return the rows of these roles and the experiment, both thinned by `factor`."""
@@ -134,7 +160,7 @@ class Search:
 
     def problem(self) -> Problem:
         """Return the refit of the declared parameters on the fit segments."""
-        rows, experiment = self.rows_and_experiment(('fit',), THINNING)
+        rows, experiment = self.rows_and_experiment(('fit',), self.thinning)
         return Problem(experiment, rows, self.declared, self.freedoms)
 
     def rate(self, effects: tuple[str, ...], problem: Problem, fit: Fit) -> Candidate:
@@ -183,41 +209,108 @@ class Search:
 
     def on_both(self, candidate: Candidate) -> Candidate:
         """Return the model fitted to the fit and select segments, thinned as they were."""
-        problem = self.on(candidate.problem, ('fit', 'select'), THINNING)
+        problem = self.on(candidate.problem, ('fit', 'select'), self.thinning)
         return self.rate(candidate.effects, problem, problem.fit(
             candidate.fit.z, evaluations=EVALUATIONS))
 
     def extend(self, parent: Candidate, tick: Callable[[], None],
-               leave_out: tuple[str, ...] = ()) -> list[Candidate]:
-        """Return the best models with one effect more than `parent`, best first."""
+               leave_out: tuple[str, ...] = (), worth: float = np.inf) -> list[Candidate]:
+        """
+        Return the best models with one effect more than `parent`, best first.
+
+        Effects that screening does not see below the cost `worth` are not fitted.
+        """
+        names = [name for name in self.names if name not in (*parent.effects, *leave_out) and
+                 not redundant(name, parent.effects)]
+        above = self._above(parent)
+        if above is None:
+            begun = self._begun(parent, names, tick, worth)
+        else:
+            begun = self._begun_in_parts(parent, names, above, tick)
+        begun.sort(key=lambda b: b.fit.cost)
+        ended: dict[str, _Begun] = {}
+        for one in begun[:FINALISTS]:
+            first = ended.get(one.effect)
+            if first is not None and one.fit.cost > OTHER_START * first.fit.cost:
+                continue
+            if one.fit.cost < HOPELESS * begun[0].fit.cost:
+                one = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
+            if one.effect not in ended or one.fit.cost < ended[one.effect].fit.cost:
+                ended[one.effect] = one
+            tick()
+        return preferred_first([
+            replace(self.rate((*parent.effects, one.effect), one.problem, one.fit),
+                    confirmed=one.confirmed) for one in ended.values()])
+
+    def _begun(self, parent: Candidate, names: list[str], tick: Callable[[], None],
+               worth: float = np.inf, few: bool = False) -> 'list[_Begun]':
+        """Return the promising effects, each with the first steps of its fits."""
         thin = parent.problem
         around = references(thin, thin.at(parent.fit.z))
         frequencies = strong_frequencies(thin, parent.fit.z)
-        names = [name for name in self.names if name not in (*parent.effects, *leave_out) and
-                 not redundant(name, parent.effects)]
 
         def one(name: str) -> Screened:
-            found = screen(thin, around, name, frequencies)
+            found = screen(thin, around, name, frequencies, few)
             tick()
             return found
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             screened = sorted(pool.map(one, names), key=lambda s: s.cost)
-        begun: list[tuple[Screened, Fit]] = []
-        for quick in screened[:PROMISING]:
-            begun += [(quick, quick.problem.fit(z, evaluations=FIRST_EVALUATIONS))
-                      for z in quick.starts]
+        begun: list[_Begun] = []
+        for k, quick in enumerate(screened[:PROMISING]):
+            if quick.cost < worth and (k < FEWEST or quick.cost < HOPELESS * screened[0].cost):
+                begun += [_Begun(quick.effect, quick.problem,
+                                 quick.problem.fit(z, evaluations=FIRST_EVALUATIONS))
+                          for z in quick.starts]
             tick()
-        begun.sort(key=lambda b: b[1].cost)
-        ended: dict[str, tuple[Screened, Fit]] = {}
-        for quick, fit in begun[:FINALISTS]:
-            if fit.cost < HOPELESS * begun[0][1].cost:
-                fit = quick.problem.fit(fit.z, evaluations=EVALUATIONS)
-            if quick.effect not in ended or fit.cost < ended[quick.effect][1].cost:
-                ended[quick.effect] = quick, fit
+        return begun
+
+    def _above(self, parent: Candidate) -> 'Search | None':
+        """Return the search above the stem where friction rules the stem, else None."""
+        if not has_dry_friction(parent.fit.parameters.actuator):
+            return None
+        above = cascade.above_the_stem(self.experiment)
+        return None if above is None else replace(
+            self, experiment=above, freedoms=cascade.free_above_the_stem(self.freedoms),
+            thinning=cascade.THINNING)
+
+    def _begun_in_parts(self, parent: Candidate, names: list[str], above: 'Search',
+                        tick: Callable[[], None]) -> 'list[_Begun]':
+        """
+        Return the promising effects where the stem sticks and slips.
+
+        Those above it are fitted there first. Those of the stem are screened in a few sizes, for
+        simulations are slow, and fitted if that already is worth adding.
+        """
+        present = tuple(e for e in parent.effects if cascade.shows_above_the_stem(e))
+        problem = above.joint(above.problem(), present)
+        source = above.rate(present, problem, problem.fit(
+            self.carried(parent, problem), evaluations=EVALUATIONS))
+        upper = above._begun(source, [n for n in names if cascade.shows_above_the_stem(n)], tick)
+        upper.sort(key=lambda b: b.fit.cost)
+        excess = max(source.fit.cost - problem.rows_counted(), 0.0)
+        begun: list[_Begun] = []
+        for name in list(dict.fromkeys(b.effect for b in upper))[:FEWEST]:
+            part = next(b for b in upper if b.effect == name)
+            fit = part.problem.fit(part.fit.z, evaluations=EVALUATIONS)
+            fall = source.fit.cost - fit.cost
+            if fall > WORTH_ADDING * source.fit.cost:
+                joint = self.joint(parent.problem, (name,))
+                start = self._merged(parent, part.problem, fit, joint)
+                begun.append(_Begun(name, joint, joint.fit(start, evaluations=FIRST_EVALUATIONS),
+                                    fall > WORTH_EXPLAINING * excess))
             tick()
-        return preferred_first([self.rate((*parent.effects, name), quick.problem, fit)
-                                for name, (quick, fit) in ended.items()])
+        lower = [n for n in names if not cascade.shows_above_the_stem(n)]
+        worth = (1.0 - WORTH_ADDING) * parent.fit.cost
+        return begun + self._begun(parent, lower, tick, worth, few=True)
+
+    def _merged(self, parent: Candidate, part: Problem, fit: Fit, target: Problem) -> Array:
+        """Return z of `target`: as in `parent`, but as in the fit of a part what that part has."""
+        z = self.carried(parent, target)
+        found = {(f.knob.parameter, f.element): v for f, v in zip(part.freedoms, fit.z)}
+        for j, free in enumerate(target.freedoms):
+            z[j] = found.get((free.knob.parameter, free.element), z[j])
+        return z
 
 
 def preferred_first(candidates: list[Candidate]) -> list[Candidate]:

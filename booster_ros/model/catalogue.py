@@ -163,7 +163,7 @@ _ROWS = (
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
         Knob('actuator.stiction', 100.0, 0.0, 3e3),
         _PRESLIDING,
-        Knob('actuator.stribeck_velocity', 1e-3, 1e-4, 1e-2, 1e-3, shape=True)),
+        Knob('actuator.stribeck_velocity', 1e-3, 3e-4, 1e-2, 1e-3, shape=True)),
     _effect(
         'position_dependent_friction', 'stem', 'friction differs along the travel (bent stem)',
         'reversals at several positions', 'valve signature over the full travel',

@@ -75,8 +75,8 @@ class Stream:
         Start at `time`, settled at a current, the chamber vented.
 
         `initial` may hold other values of the state (keys `STATE_NAMES`), and what a state
-        does not say may be away from settled by a `departure`. The states `pinned` are given with each
-        portion and follow no equation. Intervals between rows that are longer than
+        does not say may be away from settled by a `departure`. The states `pinned` are given with
+        each portion and follow no equation. Intervals between rows that are longer than
         `longest_interval` (s) are divided.
         """
         given = dict(initial or {})
