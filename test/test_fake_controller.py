@@ -155,8 +155,8 @@ def test_simulated_time_sets_the_pace(tmp_path, ros_client):
             time.sleep(0.002)
         assert node.wait() == 0, node.output
     record = read_record(csv)
-    # On wall time the step would come after 2 s of this clock and more; what a busy machine delivers
-    # late, this clock counts two and a half times.
+    # On wall time the step would come after 2 s of this clock and more. What a busy machine
+    # delivers late, this clock counts two and a half times.
     assert 1.5 < record['time'][-1] < 2.2
     first_high = np.flatnonzero(record['control_current'] == 4e-4)[0]
     assert record['time'][first_high] == pytest.approx(1.0, abs=0.5)

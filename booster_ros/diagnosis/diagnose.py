@@ -20,9 +20,9 @@ from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, FINALISTS, HOPELESS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate,
+    EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate,
     Search, clearly_better, gain, preferred_first, told_apart)
-from booster_ros.diagnosis.segments import rows_of, split
+from booster_ros.diagnosis.segments import rows_of, split, split_sweep
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
 from booster_ros.model.actuator import has_dry_friction
@@ -74,7 +74,8 @@ def diagnose(
     tell = progress or (lambda phrase, share: None)
     drive = next(iter(experiment.pinned.values()), experiment.current) if np.ptp(
         experiment.current) == 0.0 else experiment.current
-    segments = split(experiment.time, drive)
+    segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
+        experiment.time, drive)
     search = Search(experiment, segments, declared, tuple(declared_freedom(declared)),
                     applicable(experiment))
     tell('refitting the declared parameters', 0.02)

@@ -284,7 +284,7 @@ class Problem:
         """Return the lower and upper bounds of z."""
         width = START_BOUND[:self.nuisances]
         return (np.array([f.low for f in self.freedoms] + [-w for w in width]),
-                np.array([f.high for f in self.freedoms] + [w for w in width]))
+                np.array([f.high for f in self.freedoms] + list(width)))
 
     def at(self, z: Array) -> Fit:
         """Return z as a fit, with its Jacobian there."""

@@ -56,6 +56,9 @@ HOPELESS = 6.0
 OTHER_START = 2.0
 """A fit from an effect's other start is given up when it costs so much more than the first."""
 
+CLOSE = 3.0
+"""Fits that cost up to so much more than the best are given as many steps once more."""
+
 FEWEST = 3
 """So many are fitted even if their screening looks hopeless beside the best."""
 
@@ -238,6 +241,11 @@ class Search:
             if one.effect not in ended or one.fit.cost < ended[one.effect].fit.cost:
                 ended[one.effect] = one
             tick()
+        least = min((one.fit.cost for one in ended.values()), default=0.0)
+        for name, one in ended.items():
+            if least < one.fit.cost < CLOSE * least:  # on equal terms with the best
+                ended[name] = replace(
+                    one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
         return preferred_first([
             replace(self.rate((*parent.effects, one.effect), one.problem, one.fit),
                     confirmed=one.confirmed) for one in ended.values()])
@@ -259,10 +267,17 @@ class Search:
         begun: list[_Begun] = []
         for k, quick in enumerate(screened[:PROMISING]):
             if quick.cost < worth and (k < FEWEST or quick.cost < HOPELESS * screened[0].cost):
-                begun += [_Begun(quick.effect, quick.problem,
-                                 quick.problem.fit(z, evaluations=FIRST_EVALUATIONS))
-                          for z in quick.starts]
+                begun += self._from_each_start(quick)
             tick()
+        return begun
+
+    def _from_each_start(self, quick: Screened) -> 'list[_Begun]':
+        """Return the first steps from the starts, unless one promises far less than is had."""
+        begun: list[_Begun] = []
+        for z, cost in zip(quick.starts, quick.costs):
+            if not begun or cost < HOPELESS * begun[0].fit.cost:
+                begun.append(_Begun(quick.effect, quick.problem,
+                                    quick.problem.fit(z, evaluations=FIRST_EVALUATIONS)))
         return begun
 
     def _above(self, parent: Candidate) -> 'Search | None':

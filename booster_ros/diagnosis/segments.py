@@ -16,6 +16,11 @@ LONGEST = 8.0
 """A segment without a change of the drive is cut after this time, s."""
 
 
+SWEEP_ROWS = 2
+SWEEP_ROLES = ('fit', 'select', 'fit', 'test', 'fit', 'select', 'fit')
+"""Rows in a segment of a sweep without time, and what one after the other is for."""
+
+
 @dataclass(frozen=True)
 class Segment:
     """Rows first..last (last excluded) of a record, and what they are for."""
@@ -62,6 +67,18 @@ def split(time: Array, drive: Array, locked: float = 0.2) -> list[Segment]:
         role = 'test' if middle > begin_test else ('select' if k % 3 == 1 else 'fit')
         segments.append(Segment(first, last, role))
     return segments
+
+
+def split_sweep(rows: int) -> list[Segment]:
+    """
+    Cut a sweep without time into short segments of which every seventh is locked.
+
+    Interleaved, because each part of a sweep is a state of its own: one that was left out as a
+    whole could not be known from the others.
+    """
+    edges = [*range(0, rows - SWEEP_ROWS + 1, SWEEP_ROWS), rows]
+    return [Segment(first, last, SWEEP_ROLES[k % len(SWEEP_ROLES)])
+            for k, (first, last) in enumerate(pairwise(edges))]
 
 
 def rows_of(segments: list[Segment], roles: tuple[str, ...], size: int) -> Array:

@@ -1,0 +1,117 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parts of the diagnosis on small made records: starts, sweeps, lines in a residual, cascades."""
+
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.cascade import above_the_stem, shows_above_the_stem
+from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.diagnosis.fit import START, Problem, declared_freedom
+from booster_ros.diagnosis.screening import strong_frequencies, with_effect
+from booster_ros.diagnosis.segments import split_sweep
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import Departure, PositionerParameters
+
+P = PositionerParameters()
+TIME = np.arange(0.0, 30.0, 0.01)
+CURRENT = np.interp(TIME, [0.0, 5.0, 15.0, 20.0, 30.0], [3.6e-4, 3.6e-4, 4.4e-4, 3.8e-4, 3.8e-4])
+START_PRESSURE = 1.7e5
+
+
+def seen(parameters, departure=None, pressure=START_PRESSURE, current=CURRENT, seed=1):
+    """Return the experiment that a plant with these parameters would give, with its noise."""
+    run = simulate(parameters, TIME, current, {'chamber_pressure': pressure},
+                   departure=departure or Departure())
+    rng = np.random.default_rng(seed)
+    noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+    measured = {name: run[f'measured_{name}'] + level * rng.standard_normal(len(TIME))
+                for name, level in noise.items()}
+    return Experiment(TIME, current, measured, noise, {}, Initial(pressure))
+
+
+def everywhere(experiment):
+    return np.ones(len(experiment.time), dtype=bool)
+
+
+def test_a_converter_that_starts_at_the_edge_of_its_play_is_found_there():
+    width = 6e-6
+    plant = P._replace(ep_converter=P.ep_converter._replace(hysteresis=width))
+    experiment = seen(plant, Departure(ep_play=1.0))
+    free = with_effect(Problem(experiment, everywhere(experiment), P, ()),
+                       EFFECTS['ep_hysteresis'])
+    begin = free.start()
+    begin[0] = 1.0
+    fit = free.fit(begin)
+    assert fit.parameters.ep_converter.hysteresis == pytest.approx(width, rel=0.05)
+    assert fit.initial.departure.ep_play == pytest.approx(1.0, abs=0.1)
+    assert fit.cost < 1.1 * free.rows_counted()
+
+
+def test_a_place_in_a_play_that_is_not_there_costs_no_simulation_and_stays_free_of_data():
+    experiment = seen(P)
+    problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P)))
+    places = problem.jacobian(problem.start())[:, -2:]
+    assert np.count_nonzero(places) == 2
+    assert np.abs(places[-2:]) == pytest.approx(np.diag(1.0 / START[-2:]))
+
+
+def test_play_of_the_position_reading_starts_where_it_was_left():
+    plant = P._replace(sensors=P.sensors._replace(position_backlash=4e-4))
+    high, low = (simulate(plant, TIME, CURRENT, {'chamber_pressure': 2e5},
+                          departure=Departure(position_play=place)) for place in (1.0, -1.0))
+    apart = high['measured_valve_position'][0] - low['measured_valve_position'][0]
+    assert apart == pytest.approx(4e-4)
+    assert high['valve_position'][0] == low['valve_position'][0]
+
+
+def test_every_part_of_a_sweep_is_fitted_selected_and_locked():
+    segments = split_sweep(43)
+    assert [(s.first, s.last) for s in segments][:2] == [(0, 2), (2, 4)]
+    assert segments[-1].last == 43
+    rows = {role: [s.first for s in segments if s.role == role]
+            for role in ('fit', 'select', 'test')}
+    for first in rows.values():
+        assert min(first) < 10
+        assert max(first) > 30
+    assert len(rows['fit']) > len(rows['select']) > len(rows['test'])
+
+
+def test_the_line_of_a_rippling_supply_stands_out_of_noise():
+    plant = P._replace(supply=P.supply._replace(ripple=6e3, ripple_frequency=0.7))
+    experiment = seen(plant)
+    problem = Problem(experiment, everywhere(experiment), P, ())
+    assert np.min(np.abs(strong_frequencies(problem, problem.start()) - 0.7)) < 0.05
+
+
+def test_above_the_stem_friction_does_not_matter_but_a_leak_shows():
+    rubbing = P._replace(actuator=P.actuator._replace(coulomb_friction=400.0, stiction=150.0))
+    leaking = rubbing._replace(actuator=rubbing.actuator._replace(leak_area=4e-8))
+
+    def misfit(plant, model):
+        above = above_the_stem(seen(plant))
+        assert set(above.measured) == {'chamber_pressure'}
+        predicted = above.predict(model)['chamber_pressure']
+        difference = above.measured['chamber_pressure'] - predicted
+        return float(np.mean((difference[200:] / 150.0) ** 2))  # without the first rush
+
+    settled = seen(rubbing)
+    whole = settled.predict(P)['chamber_pressure'] - settled.measured['chamber_pressure']
+    blurred = np.mean((whole[200:] / 150.0) ** 2)
+    blameless = misfit(rubbing, P)
+    assert blameless < blurred / 20.0
+    assert misfit(leaking, P) > 20.0 * blameless
+
+
+def test_a_record_without_position_has_nothing_above_its_stem():
+    experiment = seen(P)
+    del experiment.measured['valve_position']
+    assert above_the_stem(experiment) is None
+
+
+@pytest.mark.parametrize(('effect', 'shows'), [
+    ('supply_droop', True), ('chamber_leak', True), ('pressure_sensor_lag', True),
+    ('stem_friction', False), ('position_backlash', False)])
+def test_effects_above_the_stem(effect, shows):
+    assert shows_above_the_stem(effect) is shows
