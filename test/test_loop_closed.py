@@ -1,0 +1,65 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Record a valve with fake_controller, close the loop, start the node with what it wrote."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import positioner_process
+from positioner_process import with_parameters
+from ros_process import RosProcess, program
+
+from booster_ros.programs import close_loop
+from booster_ros.records import Record, read_record
+from booster_ros.records.csv_file import CsvWriter
+
+DECLARED = Path(__file__).parent.parent / 'config' / 'positioner.yaml'
+NOISE = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+
+
+def recorded(path: Path, levels: list[float], *ros_arguments: str) -> Record:
+    """Return what a positioner started with these arguments does as levels are played to it."""
+    played = with_parameters(levels=levels, dwell=6.0, lockstep=True, record_csv=path)
+    with positioner_process.start(*ros_arguments), RosProcess(
+            program('fake_controller', '--ros-args', *played)) as controller:
+        assert controller.wait() == 0, controller.output
+    return read_record(path)
+
+
+def with_sensor_noise(record: Record, path: Path) -> None:
+    """Write the record as sensors of a plant would have given it."""
+    rng = np.random.default_rng(7)
+    columns = {name: record[name] + NOISE.get(name, 0.0) * rng.standard_normal(len(record))
+               for name in record.columns}
+    with CsvWriter(path, list(columns)) as out:
+        out.write_rows(np.column_stack(list(columns.values())))
+
+
+def test_a_node_started_from_the_result_does_what_the_valve_does(tmp_path):
+    """The valve is a positioner whose long thin tube nobody declared."""
+    valve = ['--params-file', str(DECLARED), *with_parameters(
+        tubing__restriction_area=5e-7, tubing__outlet_volume=4e-5, supply__pressure=4.02e5)]
+    levels = [3.6e-4, 4.3e-4, 3.9e-4, 4.5e-4, 3.3e-4, 4.0e-4, 4.2e-4, 3.8e-4, 4.4e-4, 3.5e-4]
+    seen = recorded(tmp_path / 'clean.csv', levels, *valve)
+    with_sensor_noise(seen, tmp_path / 'valve.csv')
+
+    assert close_loop.main(['--record', str(tmp_path / 'valve.csv'), '--params', str(DECLARED),
+                            '--out', str(tmp_path / 'out')]) == 0
+    report = json.loads((tmp_path / 'out' / 'report.json').read_text())
+    assert [effect['name'] for effect in report['effects']] == ['tubing_restriction']
+
+    new = [3.4e-4, 4.6e-4, 4.1e-4, 3.7e-4]
+    truth = recorded(tmp_path / 'truth.csv', new, *valve)
+    distances = {}
+    for stage in ('positioner_before', 'positioner'):
+        model = recorded(tmp_path / f'{stage}.csv', new,
+                         '--params-file', str(tmp_path / 'out' / f'{stage}.yaml'))
+        distances[stage] = {
+            name: float(np.sqrt(np.mean((model[name] - truth[name]) ** 2))) for name in NOISE}
+    for name, noise in NOISE.items():
+        # what a noisy sensor on the valve would show beside the model
+        assert np.hypot(distances['positioner'][name], noise) <= 1.3 * noise
+        assert distances['positioner_before'][name] > 3.0 * noise
