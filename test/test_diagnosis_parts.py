@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.cascade import above_the_stem, shows_above_the_stem
+from booster_ros.diagnosis.diagnose import _doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem, declared_freedom
+from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
 from booster_ros.diagnosis.segments import split_sweep
 from booster_ros.model.catalogue import EFFECTS
@@ -115,3 +117,11 @@ def test_a_record_without_position_has_nothing_above_its_stem():
     ('stem_friction', False), ('position_backlash', False)])
 def test_effects_above_the_stem(effect, shows):
     assert shows_above_the_stem(effect) is shows
+
+
+def test_a_locked_part_that_speaks_against_the_choice_is_said():
+    better = ChannelError('Pa', 900.0, 400.0, 160.0, 150.0)
+    worse = ChannelError('m', 9e-5, 4e-5, 6e-5, 8e-6)
+    sentences = _doubts({'chamber_pressure': better, 'valve_position': worse})
+    assert len(sentences) == 1
+    assert 'valve_position rises from 4e-05 to 6e-05 m' in sentences[0]

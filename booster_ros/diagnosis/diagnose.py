@@ -41,6 +41,9 @@ PLAUSIBLE = 12.0
 WELL_EXPLAINED = 1.5
 """Mean square misfit up to which named effects count as the whole explanation."""
 
+WORSE = 1.05
+"""Held-out error after, relative to before, from which a note warns."""
+
 ALIKE = 10.0
 """Cost by screening, relative to the choice, up to which another effect may be its equal."""
 
@@ -241,11 +244,19 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
         fate = 'chosen: structure that no named effect predicts' if verdict == 'unknown' else (
             'not clearly better than the named effects')
         suspects.insert(0, Suspect(unnamed.effects, unnamed.misfit, fate))
+    held_out = _errors(experiment, runs, locked)
     return Diagnosis(
-        verdict, effects, table, _errors(experiment, runs, rows),
-        _errors(experiment, runs, locked), tuple(suspects), _refitted(before, after, search),
-        search.declared, before.parameters, after.parameters, experiment,
-        tuple(search.segments), runs, notes)
+        verdict, effects, table, _errors(experiment, runs, rows), held_out, tuple(suspects),
+        _refitted(before, after, search), search.declared, before.parameters, after.parameters,
+        experiment, tuple(search.segments), runs, (*notes, *_doubts(held_out)))
+
+
+def _doubts(held_out: dict[str, ChannelError]) -> tuple[str, ...]:
+    """Return a sentence for each channel in which the locked part speaks against the choice."""
+    return tuple(
+        f'on the locked part the error of {name} rises from {error.before:.3g} to '
+        f'{error.after:.3g} {error.unit} with what was added: trust it less'
+        for name, error in held_out.items() if error.after > WORSE * max(error.before, error.noise))
 
 
 def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:

@@ -12,10 +12,11 @@ named effects. Numbered as carried out:
    few steps from both starts that screening found, then the cheapest to their end;
 4. score them on the select segments; the score is the sum of squared scaled residuals and of the
    departures that the priors of the declared parameters hold against a model;
-5. keep the best few and go on from 2 for a second and a third effect while the score falls by
-   more than one standard error (paired, over segments), by a share that matters, and by a third
-   of what noise does not explain;
-6. try to leave out every effect again (backward);
+5. keep the best and go on from 2 for a second and a third effect while the score falls by more
+   than one standard error (paired, over segments), by a share that matters, and by a third of
+   what noise does not explain; where the stem sticks, what lies above it is sought with the stem
+   driven as measured (see cascade);
+6. try every other effect in the place of each of several, then leave each out again;
 7. of models whose scores are not told apart, the one with the fewest sizes is taken.
 """
 
