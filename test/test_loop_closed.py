@@ -25,7 +25,7 @@ def recorded(path: Path, levels: list[float], *ros_arguments: str) -> Record:
     played = with_parameters(levels=levels, dwell=6.0, lockstep=True, record_csv=path)
     with positioner_process.start(*ros_arguments), RosProcess(
             program('fake_controller', '--ros-args', *played)) as controller:
-        assert controller.wait() == 0, controller.output
+        assert controller.wait(timeout=120.0) == 0, controller.output
     return read_record(path)
 
 
@@ -51,7 +51,7 @@ def test_a_node_started_from_the_result_does_what_the_valve_does(tmp_path):
     report = json.loads((tmp_path / 'out' / 'report.json').read_text())
     assert [effect['name'] for effect in report['effects']] == ['tubing_restriction']
 
-    new = [3.4e-4, 4.6e-4, 4.1e-4, 3.7e-4]
+    new = [3.4e-4, 4.6e-4, 4.1e-4]
     truth = recorded(tmp_path / 'truth.csv', new, *valve)
     distances = {}
     for stage in ('positioner_before', 'positioner'):

@@ -44,7 +44,7 @@ def test_stem_friction_is_named_and_explains_nearly_all(tmp_path):
         assert channel['before'] > 15.0 * channel['after']
 
 
-@pytest.mark.parametrize('case', ['sample_chamber_leak', 'sample_tubing_restriction'])
+@pytest.mark.parametrize('case', ['sample_chamber_leak'])
 def test_the_hidden_effect_is_named_where_it_is_born(case, tmp_path):
     report = close_loop(case, tmp_path / 'out')
     assert report['verdict'] == 'effect'
