@@ -85,7 +85,9 @@ def test_a_profile_is_played_in_real_time_and_recorded(tmp_path, positioner, ros
         assert node.wait() == 0, node.output
         assert any('1.0 of 2 s played, 50%' in line for line in node.stderr)
     ros_client.spin_until(lambda: 'done' in [phase.data for phase in phases])
-    assert [phase.data for phase in phases][-2:] == ['playing', 'done']
+    # a busy machine may connect this client after the first of them
+    assert [phase.data for phase in phases] in (
+        ['waiting', 'playing', 'done'], ['playing', 'done'], ['done'])
     ros_client.spin_until(lambda: {command.data for command in commands} == {2e-4, 4e-4})
     record = read_record(csv)
     # it ends with the last sample that came in time; a busy machine delivers the last ones late
