@@ -1,8 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Records of an independent plant: does close_loop name what was hidden in them."""
+"""
+Records of an independent plant: does close_loop name what was hidden in them.
+
+Two of the five always run; with BOOSTER_ROS_ALL_SAMPLES in the environment, all do.
+"""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -38,13 +43,18 @@ def test_stem_friction_is_named_and_explains_nearly_all(tmp_path):
     report = close_loop('sample_stem_friction', tmp_path / 'out')
     (effect,) = report['effects']
     assert (effect['name'], effect['location']) == ('stem_friction', 'stem')
+    for parameter in effect['parameters'].values():
+        assert parameter['low'] <= parameter['value'] <= parameter['high']
     for channel in report['held_out'].values():
         # its packing yields by a law of its own: this comes near the noise, not down to it
         assert channel['after'] <= 2.0 * channel['noise']
         assert channel['before'] > 15.0 * channel['after']
 
 
-@pytest.mark.parametrize('case', ['sample_chamber_leak'])
+@pytest.mark.skipif(
+    'BOOSTER_ROS_ALL_SAMPLES' not in os.environ, reason='minutes: BOOSTER_ROS_ALL_SAMPLES=1')
+@pytest.mark.parametrize(
+    'case', ['sample_chamber_leak', 'sample_tubing_restriction', 'sample_booster_dead_band'])
 def test_the_hidden_effect_is_named_where_it_is_born(case, tmp_path):
     report = close_loop(case, tmp_path / 'out')
     assert report['verdict'] == 'effect'
