@@ -193,7 +193,7 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     compete on fit and select segments together, for what is missing may show in some of them only.
     """
     left, declared = tried.chosen.misfit - 1.0, tried.refit.misfit - 1.0
-    if tried.chosen.misfit < WELL_EXPLAINED or _explained(tried.chosen, tried.refit) or (
+    if tried.chosen.misfit < WELL_EXPLAINED or (
             tried.chosen.effects and left < MOSTLY * declared):
         return None
     thin = tried.refit.problem

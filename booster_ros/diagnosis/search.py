@@ -198,18 +198,23 @@ class Search:
             problem = with_effect(problem, EFFECTS[name])
         return problem
 
-    def carried(self, source: Candidate, target: Problem) -> Array:
-        """Return z of `target` with the values that its parameters have in `source`."""
-        known = {(f.knob.parameter, f.element): z
+    def carried(self, target: Problem, *sources: 'Candidate | _Begun') -> Array:
+        """
+        Return z of `target` with the values that its parameters have in the sources.
+
+        Later sources count before earlier ones; the start is that of the first.
+        """
+        known = {(f.knob.parameter, f.element): z for source in sources
                  for f, z in zip(source.problem.freedoms, source.fit.z)}
         body = [known.get((f.knob.parameter, f.element), 0.0) for f in target.freedoms]
-        return np.concatenate([body, source.fit.z[len(source.problem.freedoms):]])
+        first = sources[0]
+        return np.concatenate([body, first.fit.z[len(first.problem.freedoms):]])
 
     def without(self, chosen: Candidate, rest: tuple[str, ...]) -> Candidate:
         """Return the model with these of the chosen effects only, fitted from what they were."""
         problem = self.joint(self.problem(), rest)
         return self.rate(rest, problem, problem.fit(
-            self.carried(chosen, problem), evaluations=EVALUATIONS))
+            self.carried(problem, chosen), evaluations=EVALUATIONS))
 
     def on_both(self, candidate: Candidate) -> Candidate:
         """Return the model fitted to the fit and select segments, thinned as they were."""
@@ -228,7 +233,7 @@ class Search:
                  not redundant(name, parent.effects)]
         above = self._above(parent)
         if above is None:
-            begun = self._begun(parent, names, tick, worth)
+            begun = self._begun(parent.problem, parent.fit, names, tick, worth)
         else:
             begun = self._begun_in_parts(parent, names, above, tick)
         begun.sort(key=lambda b: b.fit.cost)
@@ -251,12 +256,11 @@ class Search:
             replace(self.rate((*parent.effects, one.effect), one.problem, one.fit),
                     confirmed=one.confirmed) for one in ended.values()])
 
-    def _begun(self, parent: Candidate, names: list[str], tick: Callable[[], None],
+    def _begun(self, thin: Problem, fitted: Fit, names: list[str], tick: Callable[[], None],
                worth: float = np.inf, few: bool = False) -> 'list[_Begun]':
-        """Return the promising effects, each with the first steps of its fits."""
-        thin = parent.problem
-        around = references(thin, thin.at(parent.fit.z))
-        frequencies = strong_frequencies(thin, parent.fit.z)
+        """Return the promising effects on top of a fit, each with the first steps of its own."""
+        around = references(thin, thin.at(fitted.z))
+        frequencies = strong_frequencies(thin, fitted.z)
 
         def one(name: str) -> Screened:
             found = screen(thin, around, name, frequencies, few)
@@ -300,33 +304,25 @@ class Search:
         """
         present = tuple(e for e in parent.effects if cascade.shows_above_the_stem(e))
         problem = above.joint(above.problem(), present)
-        source = above.rate(present, problem, problem.fit(
-            self.carried(parent, problem), evaluations=EVALUATIONS))
-        upper = above._begun(source, [n for n in names if cascade.shows_above_the_stem(n)], tick)
+        fitted = problem.fit(self.carried(problem, parent), evaluations=EVALUATIONS)
+        upper = above._begun(
+            problem, fitted, [n for n in names if cascade.shows_above_the_stem(n)], tick)
         upper.sort(key=lambda b: b.fit.cost)
-        excess = max(source.fit.cost - problem.rows_counted(), 0.0)
+        excess = max(fitted.cost - problem.rows_counted(), 0.0)
         begun: list[_Begun] = []
         for name in list(dict.fromkeys(b.effect for b in upper))[:FEWEST]:
             part = next(b for b in upper if b.effect == name)
-            fit = part.problem.fit(part.fit.z, evaluations=EVALUATIONS)
-            fall = source.fit.cost - fit.cost
-            if fall > WORTH_ADDING * source.fit.cost:
+            part = replace(part, fit=part.problem.fit(part.fit.z, evaluations=EVALUATIONS))
+            fall = fitted.cost - part.fit.cost
+            if fall > WORTH_ADDING * fitted.cost:
                 joint = self.joint(parent.problem, (name,))
-                start = self._merged(parent, part.problem, fit, joint)
+                start = self.carried(joint, parent, part)
                 begun.append(_Begun(name, joint, joint.fit(start, evaluations=FIRST_EVALUATIONS),
                                     fall > WORTH_EXPLAINING * excess))
             tick()
         lower = [n for n in names if not cascade.shows_above_the_stem(n)]
         worth = (1.0 - WORTH_ADDING) * parent.fit.cost
-        return begun + self._begun(parent, lower, tick, worth, few=True)
-
-    def _merged(self, parent: Candidate, part: Problem, fit: Fit, target: Problem) -> Array:
-        """Return z of `target`: as in `parent`, but as in the fit of a part what that part has."""
-        z = self.carried(parent, target)
-        found = {(f.knob.parameter, f.element): v for f, v in zip(part.freedoms, fit.z)}
-        for j, free in enumerate(target.freedoms):
-            z[j] = found.get((free.knob.parameter, free.element), z[j])
-        return z
+        return begun + self._begun(parent.problem, parent.fit, lower, tick, worth, few=True)
 
 
 def preferred_first(candidates: list[Candidate]) -> list[Candidate]:

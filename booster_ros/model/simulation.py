@@ -135,8 +135,8 @@ def simulate(
     A current stands from its row to the next. `initial` may hold values of the state at the first
     row (keys `STATE_NAMES`, else settled, chamber vented); `pinned` channels (same keys) follow
     the given series instead of the equations. `departure` is how far from
-    settled they start; intervals between rows that are longer than
-    `longest_interval` (s) are divided. ValueError where shapes or times do not fit.
+    settled the model starts; intervals between rows longer than `longest_interval` (s) are
+    divided. ValueError where shapes or times do not fit.
     """
     held = dict(pinned or {})
     start = {**(initial or {}), **{name: float(series[0]) for name, series in held.items()}}
