@@ -80,6 +80,27 @@ class Refitted:
 
 
 @dataclass(frozen=True)
+class FalseAdd:
+    """
+    How often the procedure added something to simulated records of a model that lacks nothing.
+
+    `gained` of `runs` did; `low` and `high` are the 95 % interval of the rate (Clopper-Pearson);
+    `names` counts what was added.
+    """
+
+    runs: int
+    gained: int
+    low: float
+    high: float
+    names: dict[str, int]
+
+    @property
+    def rate(self) -> float:
+        """The share that gained something."""
+        return self.gained / self.runs
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after')."""
 
@@ -98,3 +119,4 @@ class Diagnosis:
     runs: dict[str, dict[str, Array]] = field(repr=False)
     notes: tuple[str, ...] = ()
     validation: dict[str, ChannelError] = field(default_factory=dict)
+    false_add: FalseAdd | None = None

@@ -14,6 +14,7 @@ import tempfile
 
 from tqdm import tqdm
 
+from ..diagnosis.calibration import calibrated
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment import Experiment
 from ..diagnosis.preparation import prepare
@@ -41,6 +42,9 @@ def main(args: Sequence[str] | None = None) -> int:
         with _output_folder(options.out) as folder:
             announce_compilation()
             diagnosis = _diagnose(experiment, declared, notes, validation)
+            if options.calibrate:
+                with _progress() as tell:
+                    diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)
             _write(folder, diagnosis, Provenance(
                 str(options.record), str(options.params), str(options.validation or '')))
     except (ParameterError, RecordError) as error:
@@ -80,6 +84,11 @@ def _parser() -> argparse.ArgumentParser:
         '(default: %(default)s)')
     add('--dwell', type=_seconds, metavar='S',
         help='how long each row of a sweep without time stood, s')
+    add('--calibrate', type=_count, metavar='N',
+        help='also count how often something is added to N simulated records in which nothing is '
+        'missing; each takes as long as a diagnosis')
+    add('--seed', type=_seed, default=1, metavar='S',
+        help='of the noise in those records (default: %(default)s)')
     return parser
 
 
@@ -88,6 +97,18 @@ def _topic(text: str) -> tuple[str, str]:
     if not topic:
         raise argparse.ArgumentTypeError(f'{text!r} is not COLUMN=TOPIC')
     return column, topic
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f'{text!r} is not a number of records')
+    return int(text)
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f'{text!r} is not a whole number from 0 on')
+    return int(text)
 
 
 def _seconds(text: str) -> float:

@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.result import ChannelError, Diagnosis, FoundEffect, UnknownTerm
+from booster_ros.diagnosis.result import ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
 
@@ -29,6 +29,7 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
         'error': _errors(diagnosis.error),
         'held_out': _errors(diagnosis.held_out),
         'validation': _errors(diagnosis.validation),
+        'false_add': _false_add(diagnosis.false_add),
         'suspects': [
             {'effects': list(s.effects), 'misfit': s.misfit, 'reason': s.reason}
             for s in diagnosis.suspects],
@@ -72,6 +73,15 @@ def _errors(errors: Mapping[str, ChannelError]) -> dict[str, Any]:
     return {
         name: {'unit': e.unit, 'declared': e.declared, 'before': e.before, 'after': e.after,
                'noise': e.noise} for name, e in errors.items()}
+
+
+def _false_add(found: FalseAdd | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    return {
+        'runs': found.runs, 'gained': found.gained, 'rate': found.rate,
+        'interval': [found.low, found.high], 'names': dict(found.names),
+    }
 
 
 def _record(experiment: Experiment, provenance: Provenance) -> dict[str, Any]:

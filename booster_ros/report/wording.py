@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import math
 import re
 
-from booster_ros.diagnosis.result import ChannelError, Diagnosis, UnknownTerm
+from booster_ros.diagnosis.result import ChannelError, Diagnosis, FalseAdd, UnknownTerm
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.report.engineering import scale_of
+from booster_ros.report.engineering import number, scale_of
 
 SCALING = (
     'Scaling effective area, dead volume, opening gain and largest area of the booster (A, V0, k, '
@@ -82,7 +82,12 @@ def verdict_title(diagnosis: Diagnosis) -> str:
 
 
 def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
-    """Return what follows the headline: the meaning, the gain, and what it may be instead."""
+    """Return what follows the headline: meaning, gain, what it may be instead, false adds."""
+    sentences = _sentences(diagnosis)
+    return [*sentences, _calibration(diagnosis.false_add)] if diagnosis.false_add else sentences
+
+
+def _sentences(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict == 'none':
         return _sentences_on_none(diagnosis)
     if diagnosis.verdict == 'unknown':
@@ -133,6 +138,15 @@ def _gain(diagnosis: Diagnosis) -> str:
     falls = all(e.after < e.before for e in judged(diagnosis).values())
     verb = 'falls' if falls else 'goes'
     return f'With it the error {verb} in {listing(parts)}, {_where(diagnosis)}.'
+
+
+def _calibration(found: FalseAdd) -> str:
+    interval = f'95 % interval {number(100.0 * found.low, 2)} to {number(100.0 * found.high, 2)} %'
+    text = (f'Tried on simulated records in which nothing is missing, with noise like that of this '
+            f'record, the same analysis added something in {found.gained} of {found.runs} '
+            f'({number(100.0 * found.rate, 2)} %, {interval})')
+    added = [f'{effect_label(name)} ({count})' for name, count in found.names.items()]
+    return f'{text}: {listing(added)}.' if added else f'{text}.'
 
 
 def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:

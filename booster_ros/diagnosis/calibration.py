@@ -1,0 +1,92 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How often the whole procedure adds something to a model that lacks nothing.
+
+The declared model, refitted to the record, plays the valve: the same times and drives, noise of
+the level, colour and resolution of the record. Every repeat goes through the whole diagnosis.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import binomtest
+
+from booster_ros.diagnosis.diagnose import Progress, diagnose
+from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.noise import noise_level
+from booster_ros.diagnosis.noise_colour import noise_of, rests_of
+from booster_ros.diagnosis.result import Diagnosis, FalseAdd
+from booster_ros.diagnosis.start_state import first_value
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+Diagnose = Callable[[Experiment, PositionerParameters, Progress], Diagnosis]
+
+
+def calibrated(
+    diagnosis: Diagnosis, runs: int, seed: int, progress: Progress | None = None,
+    judge: Diagnose = diagnose,
+) -> Diagnosis:
+    """
+    Return the diagnosis with its false-add rate, counted over `runs` simulated records.
+
+    `judge` is the procedure that is checked; `progress` is called with a phrase and the share
+    done. ValueError where there is no run.
+    """
+    if runs < 1:
+        raise ValueError(f'a calibration needs at least one run, got {runs}')
+    tell = progress or (lambda phrase, share: None)
+    names: Counter[str] = Counter()
+    gained = 0
+    for run, experiment in enumerate(repeats(diagnosis, runs, seed)):
+        def tell_run(phrase: str, share: float, run: int = run) -> None:
+            tell(f'calibration {run + 1} of {runs}: {phrase}', (run + share) / runs)
+
+        found = judge(experiment, diagnosis.declared, tell_run)
+        gained += found.verdict != 'none'
+        names.update(effect.name for effect in found.effects)
+    interval = binomtest(gained, runs).proportion_ci(0.95, 'exact')
+    return replace(diagnosis, false_add=FalseAdd(
+        runs, gained, float(interval.low), float(interval.high), dict(names)))
+
+
+def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
+    """Yield experiments in which the refitted declared model has played the valve."""
+    experiment, model = diagnosis.experiment, diagnosis.before
+    drives = [experiment.current, *experiment.pinned.values()]
+    rests = [] if experiment.quasi_static else rests_of(experiment.time, drives)
+    noise = {name: noise_of(values, rests) for name, values in experiment.measured.items()}
+    still = experiment.predict(model) if experiment.pinned else {}
+    for run in range(runs):
+        rng = np.random.default_rng([seed, run])
+        truth = dict(diagnosis.runs['before'])
+        if experiment.pinned:
+            # what was read drives the model; what drove the valve is that less its noise
+            moved = _shaken(experiment, rng).predict(model)
+            truth = {name: values + moved[name] - still[name] for name, values in truth.items()}
+        yield _with_measured(experiment, {
+            name: np.where(np.isfinite(measured), noise[name].added_to(truth[name], rng), np.nan)
+            for name, measured in experiment.measured.items()})
+
+
+def _shaken(experiment: Experiment, rng: np.random.Generator) -> Experiment:
+    return replace(experiment, pinned={
+        name: values + noise_level(values) * rng.standard_normal(len(values))
+        for name, values in experiment.pinned.items()})
+
+
+def _with_measured(experiment: Experiment, measured: dict[str, Array]) -> Experiment:
+    """Return the experiment with other measurements, and the start that is read from them."""
+    start = experiment.initial
+    if 'chamber_pressure' in measured:
+        pressure = first_value(measured['chamber_pressure'], experiment.noise['chamber_pressure'])
+        if pressure is not None:
+            start = replace(start, chamber_pressure=pressure)
+    if 'valve_position' in measured:
+        start = replace(start, valve_position=first_value(
+            measured['valve_position'], experiment.noise['valve_position']))
+    return replace(experiment, measured=measured, initial=start)

@@ -1,0 +1,137 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The colour of the measurement noise: how much of it carries over from one row to the next.
+
+It is taken where every drive has stood still for long enough, in pieces of about a second with a
+cubic removed from each, never from residuals of a fit: what moves slower than a piece is the
+valve, what is faster is noise. The noise is a first-order autoregression whose coefficient is the
+one that would give, after the same cubics, the lag-one share that was seen. Without rests, or
+where that share is no more than chance, noise is white and of the level that high-frequency
+differences give.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import toeplitz
+from scipy.optimize import brentq
+from scipy.signal import lfilter
+
+from booster_ros.diagnosis.noise import noise_level, resolution, white_noise
+
+Array = np.ndarray
+
+SETTLING = 3.0
+"""A drive has stood still for so long, s, before a rest begins: a chamber fills in seconds."""
+
+PIECE = 1.0
+"""Length of a piece of a rest, s, and its fewest rows."""
+
+FEWEST_ROWS = 32
+
+FEWEST_PIECES = 12
+"""With fewer pieces noise is taken as white."""
+
+STILL = 8.0
+STILL_SHARE = 1e-3
+"""Range of a drive at rest: in standard deviations of its noise (extremes of some hundred rows),
+and at least this share of its range over the record."""
+
+DISTURBED = 2.0
+"""Variance of a piece, relative to the median piece, above which the valve has moved in it."""
+
+CHANCE = 3.0
+"""Standard errors that a lag-one share must exceed to count."""
+
+_RANGE = (-0.95, 0.99)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """
+    Noise of a channel: standard deviation and resolution in its unit, AR(1) coefficient by row.
+
+    The level holds what rounding to the resolution adds; a resolution of 0 is none.
+    """
+
+    level: float
+    correlation: float = 0.0
+    resolution: float = 0.0
+
+    def added_to(self, signal: Array, rng: np.random.Generator) -> Array:
+        """Return the signal, shape (n,), with a draw of this noise, rounded as it was recorded."""
+        level = np.sqrt(max(self.level**2 - self.resolution**2 / 12.0, 0.0))
+        white = rng.standard_normal(len(signal))
+        white[1:] *= np.sqrt(1.0 - self.correlation**2)
+        noisy = signal + level * lfilter([1.0], [1.0, -self.correlation], white)
+        if self.resolution > 0.0:
+            noisy = self.resolution * np.round(noisy / self.resolution)
+        return np.asarray(noisy)
+
+
+def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
+    """Return level, colour and resolution of the noise on a signal; NaN rows do not count."""
+    white = Noise(float(noise_level(signal)), 0.0, resolution(signal))
+    pieces = [signal[rest] for rest in rests if np.isfinite(signal[rest]).all()]
+    if len(pieces) < FEWEST_PIECES:
+        return white
+    rows = len(pieces[0])
+    curves = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, rows), 4))[0]
+    left = np.array(pieces)
+    left = left - (left @ curves) @ curves.T
+    variance = np.mean(left**2, axis=1)
+    left = left[variance <= DISTURBED * np.median(variance)]
+    seen = float(np.mean(left**2))
+    if seen == 0.0:
+        return white
+    lagged = float(np.sum(left[:, 1:] * left[:, :-1])) / left.size
+    removed = np.eye(rows) - curves @ curves.T
+
+    def expected(coefficient: float) -> tuple[float, float]:
+        """Return variance and lag-one covariance that are left of noise of variance 1."""
+        covariance = removed @ toeplitz(coefficient ** np.arange(rows)) @ removed
+        return float(np.trace(covariance)) / rows, float(np.trace(covariance, 1)) / rows
+
+    def too_much(coefficient: float) -> float:
+        kept, carried = expected(coefficient)
+        return carried / kept - lagged / seen
+
+    low, high = _RANGE
+    if too_much(low) >= 0.0 or too_much(high) <= 0.0:
+        coefficient = low if too_much(low) >= 0.0 else high
+    else:
+        coefficient = float(brentq(too_much, low, high, xtol=1e-4))
+    if abs(coefficient) < CHANCE / np.sqrt(left.size):
+        return white
+    return Noise(float(np.sqrt(seen / expected(coefficient)[0])), coefficient, white.resolution)
+
+
+def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
+    """
+    Return equally long pieces of a record in which every drive has stood still and settled.
+
+    Time in s, shape (n,), like each drive. Pieces do not overlap and have no gap within.
+    """
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    rows, lead = max(round(PIECE / usual), FEWEST_ROWS), round(SETTLING / usual)
+    moving = [(drive, _range_at_rest(drive)) for drive in drives if np.ptp(drive) > 0.0]
+    rests = []
+    first = lead
+    while first + rows <= len(time):
+        whole = slice(first - lead, first + rows)
+        even = np.max(steps[whole.start:whole.stop - 1]) < 1.5 * usual
+        if even and all(np.ptp(drive[whole]) <= most for drive, most in moving):
+            rests.append(slice(first, first + rows))
+            first += rows
+        else:
+            first += max(rows // 4, 1)
+    return rests
+
+
+def _range_at_rest(drive: Array) -> float:
+    # not the noise level that counts resolution: levels of a stair are no resolution
+    noise = white_noise(drive)
+    return max(STILL * noise if np.isfinite(noise) else 0.0, STILL_SHARE * float(np.ptp(drive)))
