@@ -7,5 +7,6 @@ It shares the declared equations with the model and nothing else: gas is counted
 instead of pascals, time is stepped at 20 µs, end stops are stiff springs, friction sticks by an
 event. It can put in effects that the model's catalogue has, and some that it has not, and writes
 the records a test engineer would bring: `CASE.yaml` (what the name plate says), `CASE_fit.csv`,
-`CASE_val.csv` and `key.json` (what was hidden). Only numpy and numba are needed.
+`CASE_val.csv` and `key.json` (what was hidden). Only numpy and numba are needed; `confusion`, which
+runs `close_loop` on such records, needs more.
 """

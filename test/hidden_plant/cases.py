@@ -21,7 +21,11 @@ WARM_UP_SECONDS = 40.0
 
 @dataclass(frozen=True)
 class Case:
-    """What is put into one record; effects are (key of EFFECTS, signed size in SI units)."""
+    """
+    What is put into one record; effects are (key of EFFECTS, signed size in SI units).
+
+    `noise` multiplies the noise of both sensors.
+    """
 
     name: str
     effects: tuple[tuple[str, float], ...] = ()
@@ -29,6 +33,7 @@ class Case:
     validation_kind: str = 'mixed'
     spread: str = 'samples'
     seed: int = 0
+    noise: float = 1.0
 
     def plant(self) -> tuple[Valve, Sensors]:
         """Return the true plant: drawn parameters and all effects."""
@@ -78,8 +83,8 @@ def write_case(case: Case, folder: Path) -> dict[str, object]:
     (folder / f'{case.name}.yaml').write_text(declared_yaml())
     plant = case.plant()
     for part, (label, current) in enumerate(zip(('fit', 'val'), case.currents(), strict=True)):
-        noise = np.random.default_rng([case.seed, 3, part])
-        shown = recorded(*play(*plant, current), noise)
+        draws = np.random.default_rng([case.seed, 3, part])
+        shown = recorded(*play(*plant, current), draws, case.noise)
         _write_record(folder / f'{case.name}_{label}.csv', current, *shown)
     pressure, position = visibility(case) if case.effects else (0.0, 0.0)
     return {
@@ -87,8 +92,8 @@ def write_case(case: Case, folder: Path) -> dict[str, object]:
         'names': _names(case),
         'location': _location(case),
         'kind': case.kind,
-        'rms_p': float(np.hypot(pressure, PRESSURE_NOISE)),
-        'rms_x': float(np.hypot(position, POSITION_NOISE)),
+        'rms_p': float(np.hypot(pressure, case.noise * PRESSURE_NOISE)),
+        'rms_x': float(np.hypot(position, case.noise * POSITION_NOISE)),
     }
 
 

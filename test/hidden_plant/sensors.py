@@ -65,11 +65,11 @@ def sensed(sensors: Sensors, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def recorded(
-    pressure: np.ndarray, position: np.ndarray, generator: np.random.Generator
+    pressure: np.ndarray, position: np.ndarray, generator: np.random.Generator, noise: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the recorder writes: the sensors' values with noise, at its resolution."""
-    noisy_pressure = pressure + PRESSURE_NOISE * generator.standard_normal(pressure.size)
-    noisy_position = position + POSITION_NOISE * generator.standard_normal(position.size)
+    """Return what the recorder writes: values with `noise` times the usual, at its resolution."""
+    noisy_pressure = pressure + noise * PRESSURE_NOISE * generator.standard_normal(pressure.size)
+    noisy_position = position + noise * POSITION_NOISE * generator.standard_normal(position.size)
     return (
         np.round(noisy_pressure / PRESSURE_RESOLUTION) * PRESSURE_RESOLUTION,
         np.round(noisy_position / POSITION_RESOLUTION) * POSITION_RESOLUTION,
