@@ -229,7 +229,7 @@ def test_uneven_sampling_resolution_and_start_are_noted(tmp_path):
     rows = zip(time, pressure, strict=True)
     lines = ['time,chamber_pressure', *(f'{t:.4f},{p}' for t, p in rows)]
     record = read_lines(tmp_path, lines)
-    assert 'steps of 25' in defects(record, 'quantised')[0].treatment
+    assert 'steps of 25 Pa' in defects(record, 'quantised')[0].treatment
     assert defects(record, 'uneven_sampling')[0].count == 299
     assert defects(record, 'starts_in_operation')[0].first_row == 2
 

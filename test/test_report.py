@@ -20,17 +20,18 @@ from made_diagnosis import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.result import ChannelError
+from booster_ros.diagnosis.result import ChannelError, Interval
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
-from booster_ros.report.engineering import number, scale_of, si_text
+from booster_ros.report.engineering import digits_apart, number, scale_of, si_text, side_by_side
 from booster_ros.report.explanation import best_explanation, explained_share
 from booster_ros.report.figure_style import envelope
 from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
 from booster_ros.report.parameter_files import write_parameter_files
 from booster_ros.report.provenance import Provenance
-from booster_ros.report.wording import verdict_sentences, verdict_title
+from booster_ros.report.tables import effect_table
+from booster_ros.report.wording import error_scale, verdict_sentences, verdict_title
 
 FROM = Provenance('plant.csv', 'declared.yaml')
 VOID = {'meta', 'link', 'br', 'img', 'input', 'hr'}
@@ -121,7 +122,7 @@ def test_a_page_begins_with_the_verdict_and_shows_every_error(made):
     for errors in (diagnosis.error, diagnosis.held_out):
         for error in errors.values():
             for stage in (*stages, 'noise'):
-                assert scale_of(error.unit).text(getattr(error, stage)) in page.texts
+                assert error_scale(error).text(getattr(error, stage)) in page.texts
 
 
 def test_a_page_says_what_was_dropped_how_it_was_split_and_what_scaling_hides(made):
@@ -244,6 +245,31 @@ def test_numbers_have_significant_digits(value, digits, text):
 def test_units_are_those_of_the_plant_beside_those_of_physics(value, unit, people, physics):
     assert scale_of(unit).text(value) == people
     assert si_text(value, unit) == physics
+
+
+@pytest.mark.parametrize(('unit', 'values', 'read'), [
+    ('m', (5.34e-4, 12e-6, 7.96e-6), ('534 µm', '12.0 µm', '7.96 µm')),
+    ('m', (0.0128, 7.96e-6), ('12.8 mm', '7.96 µm')), ('m', (2e-3, 0.0), ('2.00 mm', '0 mm')),
+    ('Pa', (5050.0, 149.0), ('5.05 kPa', '0.149 kPa')),
+    ('Pa', (149.0, -25.0), ('149 Pa', '−25.0 Pa')), ('Pa', (float('nan'),), ('– kPa',)),
+])
+def test_values_that_are_compared_have_one_unit(unit, values, read):
+    assert tuple(side_by_side(unit, values).text(value) for value in values) == read
+
+
+def test_the_ends_of_a_narrow_interval_look_different():
+    assert digits_apart(480.0, 520.0) == 3
+    assert [number(end, digits_apart(192.97, 193.12)) for end in (192.97, 193.12)] == [
+        '193.0', '193.1']
+    assert digits_apart(1.0, 1.0) == 3
+    assert digits_apart(1.0, 1.0 + 1e-9) == 6
+
+
+def test_a_short_interval_of_a_length_is_in_one_unit():
+    backlash = replace(
+        FRICTION, parameters={'sensors.position_backlash': Interval(6e-5, 5e-5, 8e-5, 'm')})
+    page = Page(effect_table(backlash))
+    assert '50.0 to 80.0 µm' in page.texts
 
 
 def test_the_variable_that_a_residual_depends_on_is_found():

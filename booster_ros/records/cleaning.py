@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from booster_ros.records.record import MEASURED, Array, Defect, Record, RecordError
+from booster_ros.records.record import COLUMNS, MEASURED, Array, Defect, Record, RecordError
 from booster_ros.records.time_axis import gap_rows
 from booster_ros.records.units import check_pressure_scale
 
@@ -180,7 +180,7 @@ def resolution(column: str, values: Array) -> list[Defect]:
     multiples = (levels - levels[0]) / step
     if span / step > _LARGEST_GRID or np.abs(multiples - np.rint(multiples)).max() > 0.02:
         return []
-    text = f'quantised in steps of {step:.3g}, used as it is'
+    text = f'quantised in steps of {step:.3g} {COLUMNS[column].unit}, used as it is'
     return [Defect('quantised', column, 0, 0, int(np.isfinite(values).sum()), text)]
 
 
@@ -192,7 +192,8 @@ def start(columns: Columns, rows: Array) -> list[Defect]:
         known = np.flatnonzero(np.isfinite(columns.get(name, np.array([]))))
         if known.size and columns[name][known[0]] > rest:
             row, value = int(rows[known[0]]), columns[name][known[0]]
-            text = f'starts in operation, at {value:.4g}; taken as the initial state'
+            at = f'{value:.6g} {COLUMNS[name].unit}'
+            text = f'starts in operation, at {at}; taken as the initial state'
             return [Defect('starts_in_operation', name, row, row, 1, text)]
     return []
 

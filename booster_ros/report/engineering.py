@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Numbers as a plant engineer reads them: kPa, mm, mA and three significant digits."""
 
+from collections.abc import Iterable
 import math
 from typing import NamedTuple
 
@@ -36,12 +37,33 @@ _SCALES = {
 }
 
 _SMALL_LENGTH = 1e-4
+_READ_IN_MICROMETRES = 1e-2
+_READ_IN_PASCALS = 1e3
+_MOST_DIGITS = 6
 _THIN_SPACE = '\u2009'
 
 
 def scale_of(unit: str) -> Scale:
     """Return how people read a quantity that is in this SI unit."""
     return _SCALES.get(unit, Scale(unit, 1.0))
+
+
+def side_by_side(unit: str, values: Iterable[float]) -> Scale:
+    """Return the one unit in which people compare these values in SI, from least to most."""
+    sizes = [abs(value) for value in values if math.isfinite(value) and value != 0.0]
+    if sizes and unit == 'm' and min(sizes) < _SMALL_LENGTH and max(sizes) < _READ_IN_MICROMETRES:
+        return Scale('µm', 1e6)
+    if sizes and unit == 'Pa' and max(sizes) < _READ_IN_PASCALS:
+        return Scale('Pa', 1.0)
+    return scale_of(unit)
+
+
+def digits_apart(low: float, high: float) -> int:
+    """Return how many digits, three or more, the ends of an interval need to look different."""
+    digits = 3
+    while digits < _MOST_DIGITS and number(low, digits) == number(high, digits) and low != high:
+        digits += 1
+    return digits
 
 
 def si_text(value: float, unit: str, digits: int = 3) -> str:

@@ -28,6 +28,11 @@ _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',
     'test': 'locked: opened once, for the held-out error'}
 
+_STAGE_MEANINGS = {
+    'declared': 'As declared: the model with the parameters that were given.',
+    'before': 'Refitted: the same model, its parameters moved within their tolerances.',
+    'after': 'Last: refitted together with what was added.'}
+
 
 def html_page(diagnosis: Diagnosis, provenance: Provenance) -> str:
     """Return the page as HTML text."""
@@ -78,6 +83,7 @@ def _errors(view: View) -> str:
     drawing = svg(figures.error_ladder(rows, stages), 'errors') if rows else ''
     return section(
         'How far off, before and after',
+        paragraph(' '.join(_STAGE_MEANINGS[stage] for stage in stages), 'hint'),
         figure(drawing, 'Errors of each model as multiples of the noise') if drawing else '',
         error_table(parts, stages))
 
@@ -112,11 +118,11 @@ def _residuals(view: View) -> str:
         if variable is None:
             continue
         variables[name] = variable
-        before, after = (100.0 * explained_share(view.residual(stage, name), view.states[variable])
+        before, after = (explained_share(view.residual(stage, name), view.states[variable])
                          for stage in (worse, better))
         sentences.append(
             f'of the {channel_label(name)} residual the {channel_label(variable)} explains '
-            f'{number(before, 2)} % of the variance before and {number(after, 2)} % after')
+            f'{_percent(before)} of the variance before and {_percent(after)} after')
     content = []
     if not view.diagnosis.experiment.quasi_static:
         content.append(figure(svg(figures.residuals_over_time(view), 'residuals'),
@@ -128,9 +134,17 @@ def _residuals(view: View) -> str:
                       'hint'),
             figure(svg(figures.residuals_over_variable(view, variables), 'explained'),
                    'Residuals of both models over the variable that explains them best')]
+    elif view.diagnosis.unknown is not None and view.diagnosis.unknown.variable == 'time':
+        content.append(paragraph('It follows the time, over which it is drawn.', 'hint'))
     else:
         content.append(paragraph('No single variable explains a tenth of it.', 'hint'))
     return section('What the model misses', *content)
+
+
+def _percent(part: float) -> str:
+    if not math.isfinite(part):
+        return 'nothing'
+    return f'{100.0 * part:.0f} %' if part >= 0.01 else 'less than 1 %'
 
 
 def _explaining(view: View, name: str) -> str | None:
@@ -163,14 +177,15 @@ def _unknown(view: View) -> str:
         return ''
     over, size = scale_of(term.variable_unit), scale_of(term.unit)
     first, last = float(term.knots[0]), float(term.knots[-1])
+    seen, seen_si = (f'{words(first)} to {words(last)}' for words in (
+        over.text, lambda value: si_text(value, term.variable_unit)))
+    also = '' if seen == seen_si else f' ({seen_si})'
     return section(
         'The term without a name',
         paragraph(
             f'Added in {place_label(term.location)}, in {size.unit}, as a function of the '
-            f'{channel_label(term.variable)} from {over.text(first)} to {over.text(last)} '
-            f'({si_text(first, term.variable_unit)} to {si_text(last, term.variable_unit)}); zero '
-            'outside. Below it: how many rows of the record were where. Where there are few, the '
-            'table says little.'),
+            f'{channel_label(term.variable)} from {seen}{also}; zero outside. Below it: how many '
+            'rows of the record were where. Where there are few, the table says little.'),
         figure(svg(figures.unknown_term(view, term), 'unknown'), 'The table of the unnamed term'))
 
 
@@ -184,7 +199,7 @@ def _effects(diagnosis: Diagnosis) -> str:
             f'<h3>{escape(effect_label(effect.name))}, in '
             f'{escape(place_label(effect.location))}</h3>',
             effect_table(effect), _evidence(effect)]
-    return section('What was added', *content, paragraph(SCALING, 'hint'))
+    return section('What was added', *content)
 
 
 def _evidence(effect: FoundEffect) -> str:
@@ -196,7 +211,8 @@ def _evidence(effect: FoundEffect) -> str:
             f'{number(facts["misfit_with"])} times.')
     error = facts.get('score_fall_standard_error', 0.0)
     if error > 0.0:
-        text += f' The fall is {number(facts["score_fall"] / error, 2)} standard errors.'
+        text += (f' The fall is {number(facts["score_fall"] / error, 2)} times its standard error '
+                 'between the segments of the record; from 1 on it counts.')
     return paragraph(text)
 
 
@@ -232,7 +248,8 @@ def _declared(view: View) -> str:
     return section(
         'The declared parameters',
         paragraph('A parameter that is a little off is not a missing effect, so all were refitted '
-                  'first. σ is the tolerance within which each was expected.', 'hint'),
+                  'first. σ is the tolerance within which each was expected, and no refit goes '
+                  'farther than five of them.', 'hint'),
         declared_table(diagnosis.refitted, stages), paragraph(SCALING, 'hint'))
 
 
@@ -245,7 +262,7 @@ def _record(view: View, provenance: Provenance) -> str:
     rows = len(experiment.time)
     span = float(experiment.time[-1] - experiment.time[0])
     length = f'{rows} rows of a sweep without time' if experiment.quasi_static else (
-        f'{rows} rows over {number(span)} s, one every {number(_period(experiment.time))} s')
+        f'{rows} rows over {number(span)} s, one every {_period_text(experiment.time)}')
     facts = [
         f'{provenance.record}: {length}.',
         f'Driven by the measured {drives}; compared: {compared}.',
@@ -257,8 +274,9 @@ def _record(view: View, provenance: Provenance) -> str:
                    '<h3>What was dropped, mended or assumed</h3>', bullets(notes))
 
 
-def _period(time: np.ndarray) -> float:
-    return float(np.median(np.diff(time)))
+def _period_text(time: np.ndarray) -> str:
+    period = float(np.median(np.diff(time)))
+    return f'{number(1e3 * period)} ms' if period < 1.0 else f'{number(period)} s'
 
 
 def _split(view: View) -> str:

@@ -3,14 +3,16 @@
 """The tables of the report page."""
 
 from collections.abc import Mapping
+from html import escape
 import math
 
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Refitted, Suspect)
 from booster_ros.model.parameters import DESCRIPTIONS
-from booster_ros.report.engineering import number, scale_of, si_text
+from booster_ros.report.engineering import (
+    Scale, digits_apart, number, scale_of, si_text, side_by_side)
 from booster_ros.report.markup import cell, number_cell, row, table
-from booster_ros.report.wording import channel_label, effect_label
+from booster_ros.report.wording import channel_label, effect_label, error_scale
 
 MOST_SUSPECTS = 12
 
@@ -29,12 +31,13 @@ def error_table(
         rows.append(f'<tr class="group"><td colspan="{len(stages) + 2}">{part}</td></tr>')
         for name, error in errors.items():
             cells = [cell(channel_label(name))]
+            scale = error_scale(error)
             for stage in (*stages, 'noise'):
                 value = getattr(error, stage)
                 ratio = value / error.noise
                 times = '' if stage == 'noise' or not math.isfinite(ratio) else (
                     f'{number(ratio, 2 if ratio < 10 else 3)} × noise')
-                cells.append(number_cell(scale_of(error.unit).text(value), times))
+                cells.append(number_cell(scale.text(value), times))
             rows.append(row(cells))
     return table(['root mean square error', *stages.values(), 'noise'], rows)
 
@@ -43,17 +46,30 @@ def effect_table(effect: FoundEffect) -> str:
     """Return the parameters of an effect with their intervals."""
     rows = []
     for name, interval in effect.parameters.items():
-        description = DESCRIPTIONS.get(name)
-        meaning = description.meaning.split(': ', 1)[-1] if description else ''
-        scale = scale_of(interval.unit)
-        factor = scale.factor
+        scale = side_by_side(interval.unit, (interval.value, interval.low, interval.high))
+        digits = digits_apart(interval.low, interval.high)
+        low, low_si = number(interval.low * scale.factor, digits), number(interval.low, digits)
+        high = scale.text(interval.high, digits)
+        high_si = si_text(interval.high, interval.unit, digits)
         rows.append(row([
-            f'<td><code>{name}</code><small>{meaning}</small></td>',
-            number_cell(scale.text(interval.value), si_text(interval.value, interval.unit)),
-            number_cell(f'{number(interval.low * factor)} to {scale.text(interval.high)}',
-                        f'{number(interval.low)} to {si_text(interval.high, interval.unit)}'),
+            _parameter_cell(name),
+            _both_units(scale, interval.value, interval.unit, digits),
+            number_cell(f'{low} to {high}', '' if high == high_si else f'{low_si} to {high_si}'),
         ]))
     return table(['parameter', 'value', '95 % interval'], rows)
+
+
+def _parameter_cell(name: str) -> str:
+    """Return a parameter's name, of which [n] is an element, above what it means."""
+    description = DESCRIPTIONS.get(name.split('[')[0])
+    meaning = escape(description.meaning.split(': ', 1)[-1]) if description else ''
+    return f'<td><code>{escape(name)}</code><small>{meaning}</small></td>'
+
+
+def _both_units(scale: Scale, value: float, unit: str, digits: int) -> str:
+    """Return a value as people read it above that in SI, where they differ."""
+    text, physics = scale.text(value, digits), si_text(value, unit, digits)
+    return number_cell(text, '' if text == physics else physics)
 
 
 def suspect_table(diagnosis: Diagnosis) -> str:
@@ -89,9 +105,7 @@ def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) ->
     rows = []
     for one in refitted:
         scale = scale_of(one.unit)
-        cells = [
-            f'<td><code>{one.name}</code></td>',
-            number_cell(scale.text(one.given, 4), si_text(one.given, one.unit, 4))]
+        cells = [_parameter_cell(one.name), _both_units(scale, one.given, one.unit, 4)]
         for stage in stages:
             value = getattr(one, stage)
             away = round((value - one.given) / one.spread, 1) + 0.0  # no minus zero

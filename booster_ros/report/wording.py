@@ -8,7 +8,7 @@ import re
 
 from booster_ros.diagnosis.result import ChannelError, Diagnosis, FalseAdd, UnknownTerm
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.report.engineering import number, scale_of
+from booster_ros.report.engineering import Scale, number, scale_of, side_by_side
 
 SCALING = (
     'Scaling effective area, dead volume, opening gain and largest area of the booster (A, V0, k, '
@@ -97,7 +97,7 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
     for effect in diagnosis.effects:
         meaning = EFFECTS[effect.name].meaning
         sentences.append(
-            f'{capital(meaning)}. It is born in {place_label(effect.location)}.')
+            f'{capital(meaning)}. Its place is {place_label(effect.location)}.')
     sentences.append(_gain(diagnosis))
     for effect in diagnosis.effects:
         if effect.confused_with:
@@ -110,8 +110,8 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
 def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
     errors = judged(diagnosis)
     refitted = listing([
-        f'{channel_label(name)} by {scale_of(e.unit).text(e.before)} (noise '
-        f'{scale_of(e.unit).text(e.noise)})' for name, e in errors.items()])
+        f'{channel_label(name)} by {error_scale(e).text(e.before)} (noise '
+        f'{error_scale(e).text(e.noise)})' for name, e in errors.items()])
     first = f'Refitted within its tolerances it misses {refitted}, {_where(diagnosis)}.'
     if _reaches_noise(diagnosis):
         return [first, 'No effect of the catalogue improves on that beyond chance.']
@@ -132,8 +132,8 @@ def _sentence_on_unknown(unknown: UnknownTerm) -> str:
 
 def _gain(diagnosis: Diagnosis) -> str:
     parts = [
-        f'{channel_label(name)} from {scale_of(e.unit).text(e.before)} to '
-        f'{scale_of(e.unit).text(e.after)} (noise {scale_of(e.unit).text(e.noise)})'
+        f'{channel_label(name)} from {error_scale(e).text(e.before)} to '
+        f'{error_scale(e).text(e.after)} (noise {error_scale(e).text(e.noise)})'
         for name, e in judged(diagnosis).items()]
     falls = all(e.after < e.before for e in judged(diagnosis).values())
     verb = 'falls' if falls else 'goes'
@@ -147,6 +147,11 @@ def _calibration(found: FalseAdd) -> str:
             f'({number(100.0 * found.rate, 2)} %, {interval})')
     added = [f'{effect_label(name)} ({count})' for name, count in found.names.items()]
     return f'{text}: {listing(added)}.' if added else f'{text}.'
+
+
+def error_scale(error: ChannelError) -> Scale:
+    """Return the unit in which a channel's errors and its noise are read side by side."""
+    return side_by_side(error.unit, (error.declared, error.before, error.after, error.noise))
 
 
 def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
