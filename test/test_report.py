@@ -161,6 +161,16 @@ def test_an_unnamed_term_is_shown_with_its_variable_place_and_range():
     page = Page(html_page(diagnosis, FROM))
     assert 'something in the stem' in verdict_title(diagnosis)
     assert 'function of the valve position from 0 mm to 16.0 mm' in page.text
+    assert 'vary the valve position alone' in page.text
+
+
+def test_an_unnamed_term_over_time_is_not_to_be_varied():
+    diagnosis = unknown_found()
+    term = replace(diagnosis.unknown, variable='time', variable_unit='s')
+    page = Page(html_page(replace(diagnosis, unknown=term), FROM))
+    assert 'record the same currents again' in page.text
+    assert 'vary the time' not in page.text
+    assert 'It follows the time, over which it is drawn.' in page.texts
 
 
 def test_a_page_is_the_same_when_made_again():
@@ -251,7 +261,7 @@ def test_units_are_those_of_the_plant_beside_those_of_physics(value, unit, peopl
     ('m', (5.34e-4, 12e-6, 7.96e-6), ('534 µm', '12.0 µm', '7.96 µm')),
     ('m', (0.0128, 7.96e-6), ('12.8 mm', '7.96 µm')), ('m', (2e-3, 0.0), ('2.00 mm', '0 mm')),
     ('Pa', (5050.0, 149.0), ('5.05 kPa', '0.149 kPa')),
-    ('Pa', (149.0, -25.0), ('149 Pa', '−25.0 Pa')), ('Pa', (float('nan'),), ('– kPa',)),
+    ('m', (float('nan'),), ('– mm',)),
 ])
 def test_values_that_are_compared_have_one_unit(unit, values, read):
     assert tuple(side_by_side(unit, values).text(value) for value in values) == read

@@ -38,7 +38,6 @@ _SCALES = {
 
 _SMALL_LENGTH = 1e-4
 _READ_IN_MICROMETRES = 1e-2
-_READ_IN_PASCALS = 1e3
 _MOST_DIGITS = 6
 _THIN_SPACE = '\u2009'
 
@@ -53,8 +52,6 @@ def side_by_side(unit: str, values: Iterable[float]) -> Scale:
     sizes = [abs(value) for value in values if math.isfinite(value) and value != 0.0]
     if sizes and unit == 'm' and min(sizes) < _SMALL_LENGTH and max(sizes) < _READ_IN_MICROMETRES:
         return Scale('µm', 1e6)
-    if sizes and unit == 'Pa' and max(sizes) < _READ_IN_PASCALS:
-        return Scale('Pa', 1.0)
     return scale_of(unit)
 
 

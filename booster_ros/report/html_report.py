@@ -21,8 +21,8 @@ from booster_ros.report.tables import (
     MOST_SUSPECTS, declared_table, effect_table, error_table, suspect_table)
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.wording import (
-    SCALING, capital, channel_label, effect_label, listing, place_label, verdict_sentences,
-    verdict_title)
+    SCALING, capital, channel_label, effect_label, listing, place_label, unknown_experiment,
+    verdict_sentences, verdict_title)
 
 _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',
@@ -223,8 +223,8 @@ def _undecided(diagnosis: Diagnosis) -> str:
         if effect.confused_with:
             items.append(f'{capital(effect_label(effect.name))} or {rivals}? This record '
                          f'cannot decide. It would take: {effect.separating_experiment}.')
-        elif effect.name == 'unknown':
-            items.append(f'To find its cause: {effect.separating_experiment}.')
+        elif diagnosis.unknown is not None:
+            items.append(f'To find its cause: {unknown_experiment(diagnosis.unknown)}.')
         else:
             items.append(f'{capital(effect_label(effect.name))}: no other effect explains the '
                          'record as well. An experiment that would confirm it: '

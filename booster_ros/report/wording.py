@@ -130,6 +130,15 @@ def _sentence_on_unknown(unknown: UnknownTerm) -> str:
     )
 
 
+def unknown_experiment(unknown: UnknownTerm) -> str:
+    """Return what would show the cause of a term without a name."""
+    if unknown.variable == 'time':
+        return ('record the same currents again, at another hour: what stays with the clock comes '
+                'from outside, what stays with the currents from the valve')
+    return (f'vary the {channel_label(unknown.variable)} alone, with the channels on both sides of '
+            f'{place_label(unknown.location)} recorded')
+
+
 def _gain(diagnosis: Diagnosis) -> str:
     parts = [
         f'{channel_label(name)} from {error_scale(e).text(e.before)} to '
