@@ -5,13 +5,21 @@
 from dataclasses import replace
 import json
 
-from made_diagnosis import friction_found, friction_found_in_a_sweep, nothing_found, timed_columns
+from made_diagnosis import (
+    friction_found,
+    friction_found_in_a_sweep,
+    nothing_found,
+    record_of,
+    timed_columns,
+)
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
 from booster_ros.diagnosis.calibration import calibrated, repeats
 from booster_ros.diagnosis.noise_colour import Noise, noise_of, rests_of
+from booster_ros.diagnosis.preparation import prepare
+from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.parameters.file import write_parameter_file
 from booster_ros.programs.close_loop import main
@@ -50,6 +58,36 @@ def test_noise_of_a_quantised_white_record_is_found_again_in_what_is_simulated_w
     again = found.added_to(settling(), rng)
     assert np.allclose(again / step, np.round(again / step))
     assert np.std(again - settling()) == pytest.approx(np.hypot(2e-3, step / np.sqrt(12)), rel=0.03)
+
+
+def test_a_ripple_at_rests_is_not_taken_for_noise():
+    rng = np.random.default_rng(9)
+    shown = settling() + 4e-3 * np.sin(2.0 * np.pi * 5.0 * TIME)
+    shown += 2e-3 * rng.standard_normal(len(TIME))
+    found = noise_of(shown, rests_of(TIME, [STEPS]))
+    assert found.correlation == 0.0
+    assert found.level == pytest.approx(2e-3, rel=0.05)
+
+
+def test_a_valve_that_slips_at_rests_is_not_taken_for_noise():
+    rng = np.random.default_rng(11)
+    slips = 20e-3 * rng.standard_normal(len(TIME)) * (rng.random(len(TIME)) < 0.05)
+    hunting = lfilter([1.0], [1.0, -0.9], slips)
+    shown = settling() + hunting + 1e-3 * rng.standard_normal(len(TIME))
+    assert noise_of(shown, rests_of(TIME, [STEPS])).correlation == 0.0
+
+
+def test_an_experiment_counts_coloured_noise_in_full():
+    time = TIME[:6000]
+    noise = {'chamber_pressure': Noise(150.0, 0.8), 'valve_position': Noise(8e-6)}
+    run = simulate(PositionerParameters(), time, STEPS[:6000], {'chamber_pressure': 100e3})
+    rng = np.random.default_rng(10)
+    columns = {name: level.added_to(run[name], rng) for name, level in noise.items()}
+    experiment = prepare(
+        record_of({'time': time, 'control_current': STEPS[:6000], **columns}),
+        PositionerParameters())
+    for name, level in noise.items():
+        assert experiment.noise[name] == pytest.approx(level.level, rel=0.15)
 
 
 def test_without_rests_noise_is_white_and_of_the_level_of_differences():

@@ -170,7 +170,6 @@ def test_an_unnamed_term_over_time_is_not_to_be_varied():
     page = Page(html_page(replace(diagnosis, unknown=term), FROM))
     assert 'record the same currents again' in page.text
     assert 'vary the time' not in page.text
-    assert 'It follows the time, over which it is drawn.' in page.texts
 
 
 def test_a_page_is_the_same_when_made_again():

@@ -6,9 +6,10 @@ The colour of the measurement noise: how much of it carries over from one row to
 It is taken where every drive has stood still for long enough, in pieces of about a second with a
 cubic removed from each, never from residuals of a fit: what moves slower than a piece is the
 valve, what is faster is noise. The noise is a first-order autoregression whose coefficient is the
-one that would give, after the same cubics, the lag-one share that was seen. Without rests, or
-where that share is no more than chance, noise is white and of the level that high-frequency
-differences give.
+one that would give, after the same cubics, the lag-one share that was seen. Without rests, where
+that share is small or no more than chance, where the further lags do not fade as it says (a
+ripple) or what is new in each row is heavy-tailed (a valve that hunts goes in slips), noise is
+white and of the level that high-frequency differences give.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ import numpy as np
 from scipy.linalg import toeplitz
 from scipy.optimize import brentq
 from scipy.signal import lfilter
+from scipy.stats import kurtosis
 
 from booster_ros.diagnosis.noise import noise_level, resolution, white_noise
 
@@ -43,7 +45,15 @@ DISTURBED = 2.0
 """Variance of a piece, relative to the median piece, above which the valve has moved in it."""
 
 CHANCE = 3.0
-"""Standard errors that a lag-one share must exceed to count."""
+SMALL = 0.1
+"""Standard errors, and the value, that the coefficient must exceed to count."""
+
+LAGS = 10
+FADING = 0.1
+"""Rows of lag over which noise must fade as a first-order autoregression, and how nearly."""
+
+HEAVY_TAILED = 1.0
+"""Excess kurtosis from which what is new in each row is no noise: a Gaussian has 0."""
 
 _RANGE = (-0.95, 0.99)
 
@@ -86,26 +96,31 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
     seen = float(np.mean(left**2))
     if seen == 0.0:
         return white
-    lagged = float(np.sum(left[:, 1:] * left[:, :-1])) / left.size
+    shares = np.array([np.sum(left[:, lag:] * left[:, :rows - lag]) for lag in range(LAGS)])
+    shares /= shares[0]
     removed = np.eye(rows) - curves @ curves.T
 
-    def expected(coefficient: float) -> tuple[float, float]:
-        """Return variance and lag-one covariance that are left of noise of variance 1."""
+    def expected(coefficient: float) -> Array:
+        """Return the covariances by lag that are left of noise of variance 1."""
         covariance = removed @ toeplitz(coefficient ** np.arange(rows)) @ removed
-        return float(np.trace(covariance)) / rows, float(np.trace(covariance, 1)) / rows
+        return np.array([np.trace(covariance, lag) for lag in range(LAGS)]) / rows
 
     def too_much(coefficient: float) -> float:
-        kept, carried = expected(coefficient)
-        return carried / kept - lagged / seen
+        variance, carried = expected(coefficient)[:2]
+        return float(carried / variance - shares[1])
 
     low, high = _RANGE
     if too_much(low) >= 0.0 or too_much(high) <= 0.0:
         coefficient = low if too_much(low) >= 0.0 else high
     else:
         coefficient = float(brentq(too_much, low, high, xtol=1e-4))
-    if abs(coefficient) < CHANCE / np.sqrt(left.size):
+    like_it = expected(coefficient)
+    fades = np.max(np.abs(like_it / like_it[0] - shares)) < FADING
+    new = left[:, 1:] - coefficient * left[:, :-1]
+    slips = kurtosis(new, axis=None) > HEAVY_TAILED
+    if abs(coefficient) < max(SMALL, CHANCE / np.sqrt(left.size)) or slips or not fades:
         return white
-    return Noise(float(np.sqrt(seen / expected(coefficient)[0])), coefficient, white.resolution)
+    return Noise(float(np.sqrt(seen / like_it[0])), coefficient, white.resolution)
 
 
 def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.noise import noise_level
+from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state
 from booster_ros.model.system import PositionerParameters
@@ -48,10 +48,11 @@ def prepare(
     usable = _usable_rows(time, columns, role, quasi_static)
     compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
     _check_enough(compared, record.source)
-    noise = {name: float(noise_level(values)) for name, values in columns.items() if name != 'time'}
+    current = _current(columns, role, quasi_static)
+    noise = _noise(time, columns, current, role, quasi_static)
     experiment = Experiment(
         time=time,
-        current=_current(columns, role, quasi_static),
+        current=current,
         measured=compared,
         noise={name: noise[name] for name in role.compared},
         pinned={name: _bridged(time, columns[name]) for name in role.pinned},
@@ -122,6 +123,16 @@ def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> A
         # a row of a sweep was read after its own current had stood
         return np.append(current[1:], current[-1:])
     return current
+
+
+def _noise(
+    time: Array, columns: Mapping[str, Array], current: Array, role: Roles, quasi_static: bool
+) -> dict[str, float]:
+    """Return the noise level of every channel: coloured noise is more than its differences show."""
+    drives = [current, *(_bridged(time, columns[name]) for name in role.pinned)]
+    rests = [] if quasi_static else rests_of(time, drives)
+    return {name: noise_of(values, rests).level for name, values in columns.items()
+            if name != 'time'}
 
 
 def _bridged(time: Array, values: Array) -> Array:
