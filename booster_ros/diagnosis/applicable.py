@@ -1,7 +1,7 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which effects an experiment can show at all.
+Which effects an experiment can show at all, and which declared parameters.
 
 A measured channel that drives the model cuts off everything upstream of it, a sensor that was not
 recorded has no error, and a sweep without a clock knows no delays. Trying those effects anyway
@@ -43,3 +43,17 @@ def _shows(effect: Effect, experiment: Experiment) -> bool:
     if effect.location == 'supply' and 'supply_pressure' in experiment.pinned:
         return False
     return driven and (chamber_follows or 'mass_flow' in compared)
+
+
+def matters(parameter: str, experiment: Experiment) -> bool:
+    """Tell whether a declared parameter, by its dotted name, can change what is compared."""
+    component = parameter.split('.')[0]
+    if component == 'actuator' and experiment.is_flow_bench:
+        return 'valve_position' in experiment.measured
+    if component == 'supply' and 'supply_pressure' in experiment.pinned:
+        return False
+    if component == 'ep_converter' and 'back_pressure' in experiment.pinned:
+        return False
+    if 'chamber_pressure' in experiment.pinned and not experiment.is_flow_bench:
+        return component == 'actuator' and parameter != 'actuator.dead_volume'
+    return True

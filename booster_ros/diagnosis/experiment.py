@@ -68,6 +68,11 @@ class Experiment:
         commanded = ('control_current',) if np.any(self.current) else ()
         return (*commanded, *self.pinned)
 
+    @property
+    def is_flow_bench(self) -> bool:
+        """Whether a bench sets the pressures around the booster and reads its flow."""
+        return 'mass_flow' in self.measured and 'chamber_pressure' in self.pinned
+
     def simulate(self, parameters: PositionerParameters, initial: Initial | None = None
                  ) -> Simulation:
         """Run the model over this experiment."""

@@ -11,7 +11,6 @@ by bounded trust-region least squares (scipy), with the columns of the Jacobian 
 side: the compiled model gives up Python's lock.
 """
 
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 import os
@@ -40,10 +39,11 @@ SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
 
 _SHIFT = 5.0
 
-START = np.array([3.0, 4.0, 1.0, 1.0])
-"""Spread of the start: pressure in 100 Pa, back pressure in 500 Pa, places in the two plays."""
+START = np.array([3.0, 4.0, 1.0, 1.0, 2.0])
+"""Spread of the start: pressure in 100 Pa, back pressure in 500 Pa, places in the two plays,
+warmth of the chamber's air in 10 K."""
 
-START_BOUND = (np.inf, np.inf, 1.0, 1.0)
+START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0)
 
 FAR = 1e3
 """Scaled residual where the model cannot run; large, finite, flat: a fit turns away."""
@@ -131,15 +131,28 @@ _DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
 )
 
 
-def declared_freedom(p: PositionerParameters, names: Sequence[str] | None = None
-                     ) -> list[Free]:
+BENCH = ('booster.opening_gain', 'booster.max_area')
+"""What a flow bench is there to measure: nothing else known of it counts beside its flows."""
+
+BENCH_RANGE = 20.0
+"""How far the bench may find them from what was declared, as a factor."""
+
+
+def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Free]:
     """Return the declared parameters that a refit may turn, with their priors."""
     found = []
     for name, relative, absolute, element in _DECLARED:
-        if names is not None and name not in names:
-            continue
         value = get(p, name, element)
-        spread = absolute + relative * abs(value)
+        if name in BENCH and experiment.is_flow_bench:
+            # as inverses: the stiffness against opening is what a flow force adds to
+            high = value * BENCH_RANGE
+            knob = Knob(name, value, value / BENCH_RANGE, high, high, inverse=1)
+            found.append(Free(knob, 1.0 / value, 1.0 / value))
+            continue
+        width = abs(value)
+        if name == 'actuator.bench_set':  # as sure of one end as of what lies between them
+            width = max(width, float(np.ptp(p.actuator.bench_set)))
+        spread = absolute + relative * width
         if spread <= 0.0:
             continue
         low = value - 5.0 * spread if absolute else max(value - 5.0 * spread, 0.05 * value)
@@ -202,9 +215,9 @@ class Problem:
             seen = start.valve_position - p.sensors.position_bias
             start = replace(start, valve_position=seen / (1.0 + p.sensors.position_span_error))
         if self.nuisances:
-            pressure, back, ep_play, position_play = z[len(self.freedoms):]
+            pressure, back, ep_play, position_play, warmth = z[len(self.freedoms):]
             start = replace(
-                start, departure=Departure(500.0 * back, ep_play, position_play),
+                start, departure=Departure(500.0 * back, ep_play, position_play, 10.0 * warmth),
                 chamber_pressure=start.chamber_pressure + 100.0 * pressure
                 - p.sensors.pressure_bias)
         return start
@@ -264,12 +277,13 @@ class Problem:
         return columns
 
     def _silent(self, z: Array) -> list[int]:
-        """Return the variables of the start that cannot matter: without play none has a place."""
+        """Return the variables of the start that cannot matter: a place in no play, say."""
         if not self.nuisances:
             return []
         p = self.parameters(z)
-        plays = p.ep_converter.hysteresis, p.sensors.position_backlash
-        return [len(self.freedoms) + k for k, width in enumerate(plays, 2) if width <= 0.0]
+        sizes = (p.ep_converter.hysteresis, p.sensors.position_backlash,
+                 p.actuator.thermal_resistance)
+        return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
 
     def rows_counted(self) -> int:
         """Return how many measurements count, over all channels."""

@@ -20,7 +20,7 @@ Array = np.ndarray
 SETTLING = 10.0
 """Rows within this time after a gap in the drive do not count, s: the chamber must catch up."""
 
-DWELL_PINNED = 1.0
+DWELL_PINNED = 0.25
 DWELL_COMMANDED = 30.0
 """How long each row of a sweep without time stands, s: where a pressure drives, only the stem has
 to follow; where the current drives, the chamber has to fill."""

@@ -39,7 +39,7 @@ class Knob:
         if not self.inverse:
             return variable
         vanishing = self.high**-self.inverse
-        return 0.0 if variable <= vanishing else variable**(-1.0 / self.inverse)
+        return self.neutral if variable <= vanishing else variable**(-1.0 / self.inverse)
 
 
 @dataclass(frozen=True)
