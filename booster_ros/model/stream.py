@@ -86,6 +86,8 @@ class Stream:
         for name, value in given.items():
             y[STATE_NAMES.index(name)] = value
         y[BACK] += departure.back_pressure
+        y[TEMPERATURE] += departure.temperature
+        hold_inactive_states(parameters, time, y, ())
         memory = [0.0] * MEMORIES
         start_memory(parameters, control_current, y, 1e-3, memory, departure)
         self._parameters = parameters

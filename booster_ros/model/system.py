@@ -279,12 +279,14 @@ class Departure(NamedTuple):
     How far from settled and centred a positioner starts, of which a command alone tells nothing.
 
     `back_pressure` in Pa; `ep_play` and `position_play` say where in its play the current's and the
-    position reading's part stands: share of half the width, -1 to 1.
+    position reading's part stands: share of half the width, -1 to 1; `temperature` in K, by which
+    the chamber's air is warmer than its wall.
     """
 
     back_pressure: float = 0.0
     ep_play: float = 0.0
     position_play: float = 0.0
+    temperature: float = 0.0
 
 
 CENTRED = Departure()
