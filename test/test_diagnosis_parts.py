@@ -51,12 +51,12 @@ def test_a_converter_that_starts_at_the_edge_of_its_play_is_found_there():
     assert fit.cost < 1.1 * free.rows_counted()
 
 
-def test_a_place_in_a_play_that_is_not_there_costs_no_simulation_and_stays_free_of_data():
+def test_a_start_without_play_or_warmth_costs_no_simulation_and_stays_free_of_data():
     experiment = seen(P)
-    problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P)))
-    places = problem.jacobian(problem.start())[:, -2:]
-    assert np.count_nonzero(places) == 2
-    assert np.abs(places[-2:]) == pytest.approx(np.diag(1.0 / START[-2:]))
+    problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P, experiment)))
+    places = problem.jacobian(problem.start())[:, -3:]
+    assert np.count_nonzero(places) == 3
+    assert np.abs(places[-3:]) == pytest.approx(np.diag(1.0 / START[-3:]))
 
 
 def test_play_of_the_position_reading_starts_where_it_was_left():

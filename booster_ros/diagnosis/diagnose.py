@@ -13,7 +13,7 @@ import itertools
 
 import numpy as np
 
-from booster_ros.diagnosis.applicable import applicable
+from booster_ros.diagnosis.applicable import applicable, matters
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
@@ -22,7 +22,8 @@ from booster_ros.diagnosis.result import (
 from booster_ros.diagnosis.search import (
     EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate,
     Search, clearly_better, gain, preferred_first, told_apart)
-from booster_ros.diagnosis.segments import rows_of, split, split_sweep
+from booster_ros.diagnosis.segments import (
+    rows_of, segment_of_row, split, split_sweep)
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
 from booster_ros.model.actuator import has_dry_friction
@@ -49,6 +50,9 @@ ALIKE = 10.0
 
 MOSTLY = 0.03
 """Share of the declared model's excess over noise below which no nameless term competes."""
+
+FORESEEN = 0.2
+"""Share of it below which no term over time competes: that says what was, not what comes."""
 
 LIKELY_TERMS = 4
 """Terms without a name that are fitted: those that reach furthest by linear reckoning."""
@@ -79,8 +83,9 @@ def diagnose(
         experiment.current) == 0.0 else experiment.current
     segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
         experiment.time, drive)
-    search = Search(experiment, segments, declared, tuple(declared_freedom(declared)),
-                    applicable(experiment))
+    freedoms = tuple(free for free in declared_freedom(declared, experiment)
+                     if matters(free.knob.parameter, experiment))
+    search = Search(experiment, segments, declared, freedoms, applicable(experiment))
     tell('refitting the declared parameters', 0.02)
     tried = _forward(search, tell)
     tell('looking for a discrepancy without a name', 0.8)
@@ -102,7 +107,7 @@ def _forward(search: Search, tell: Progress) -> _Tried:
             break
         ranked = _round(search, parent, level, tell)
         everything += ranked
-        if ranked and clearly_better(ranked[0], chosen):
+        if ranked and not ranked[0].fault and clearly_better(ranked[0], chosen):
             chosen = ranked[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
             break
@@ -171,7 +176,7 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) ->
         rest = tuple(e for e in chosen.effects if e != name)
         smaller = search.without(chosen, rest)
         everything.append(smaller)
-        if not clearly_better(chosen, smaller):
+        if search.fault(chosen.problem, chosen.fit, name) or not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything)
     return chosen
 
@@ -179,6 +184,8 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) ->
 def _reason(candidate: Candidate, chosen: Candidate) -> str:
     if set(chosen.effects) < set(candidate.effects):
         return 'the added effect does not lower the held-back error enough'
+    if candidate.fault:
+        return candidate.fault
     if told_apart(candidate, chosen):
         ratio = candidate.score / max(chosen.score, 1e-12)
         return f'{ratio:.3g} times the squared error of the choice'
@@ -196,11 +203,14 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     if tried.chosen.misfit < WELL_EXPLAINED or (
             tried.chosen.effects and left < MOSTLY * declared):
         return None
+    foreseen = tried.chosen.effects and left < FORESEEN * declared
+    likely = [one for one in terms(search.experiment.channels)
+              if not (foreseen and one.variable == term.TIME)]
     thin = tried.refit.problem
     references = [thin.at(tried.refit.fit.z), thin.at(thin.start())]
     reached = sorted(
         ((*linear_reach(thin, reference, one), one) for reference in references
-         for one in terms(search.experiment.channels)), key=lambda found: found[0])
+         for one in likely), key=lambda found: found[0])
     candidates: dict[str, Candidate] = {}
     for _, z, move, joint, one in reached:
         if one.label in candidates or len(candidates) >= LIKELY_TERMS:
@@ -293,7 +303,8 @@ def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Arr
 
 def _found(search: Search, tried: _Tried, best: Candidate, problem: Problem, after: Fit
            ) -> tuple[FoundEffect, ...]:
-    draws = block_bootstrap(problem, after, search.segments)
+    draws = block_bootstrap(
+        problem, after, segment_of_row(search.segments, len(search.experiment.time)))
     found = []
     for name in best.effects:
         effect = EFFECTS[name]
@@ -323,7 +334,7 @@ def _rivals(name: str, rest: tuple[str, ...], tried: _Tried, best: Candidate) ->
         others = set(candidate.effects) - set(rest)
         if len(others) != 1 or not set(rest) <= set(candidate.effects) or name in others:
             continue
-        if not told_apart(candidate, best):
+        if not candidate.fault and not told_apart(candidate, best):
             rivals += sorted(others)
     return tuple(dict.fromkeys(rivals))
 

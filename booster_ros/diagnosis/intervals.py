@@ -4,30 +4,32 @@
 
 import numpy as np
 
-from booster_ros.diagnosis.fit import Fit, Problem
-from booster_ros.diagnosis.segments import Segment
+from booster_ros.diagnosis.fit import Fit, Free, Problem
+from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
 
 DRAWS = 400
 
+WIDEST = 30.0
+"""Standard deviation of what a size may be before anything is seen, in typical sizes."""
 
-def block_bootstrap(problem: Problem, fit: Fit, segments: list[Segment], seed: int = 1) -> Array:
+AT_BOUND = 1e-2
+"""A size this near its bound, relative to its range, has run into it."""
+
+
+def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) -> Array:
     """
     Return draws of z, shape (DRAWS, variables), by a block bootstrap of whole segments.
 
-    Each draw weighs the segments by how often they were drawn and makes one Gauss-Newton step from
+    `of_row` says of each row of the experiment which segment it belongs to. Each draw weighs the segments by how often they were drawn and makes one Gauss-Newton step from
     the fit. Residuals may be as coloured as they like within a segment.
     """
     residual = problem.residuals(fit.z)
     jacobian = fit.jacobian
-    labels = []
-    for measured in problem.experiment.measured.values():
-        of_row = np.full(len(measured), -1)
-        for k, segment in enumerate(segments):
-            of_row[segment.first:segment.last] = k
-        labels.append(of_row[problem.rows & np.isfinite(measured)])
-    label = np.concatenate(labels)
+    label = np.concatenate([
+        of_row[problem.rows & np.isfinite(measured)]
+        for measured in problem.experiment.measured.values()])
     data = len(label)
     blocks = np.unique(label)
     size = len(fit.z)
@@ -41,10 +43,12 @@ def block_bootstrap(problem: Problem, fit: Fit, segments: list[Segment], seed: i
     prior_hessian = jacobian[data:].T @ jacobian[data:]
     rng = np.random.default_rng(seed)
     draws = np.empty((DRAWS, size))
-    ridge = 1e-9 * np.eye(size)
+    # a size is of its typical order: without that, a draw in which a size hardly shows is anything
+    ridge = np.eye(size) / WIDEST**2
+    pull = ridge @ fit.z
     for d in range(DRAWS):
         counts = np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks))
-        gradient = counts @ gradients + prior_gradient
+        gradient = counts @ gradients + prior_gradient + pull
         hessian = np.tensordot(counts, hessians, 1) + prior_hessian + ridge
         draws[d] = fit.z - np.linalg.solve(hessian, gradient)
     return draws
@@ -58,3 +62,51 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[f
     ends = [free.value(float(np.clip(z, free.low, free.high)))
             for z in (min(low, fit.z[index]), max(high, fit.z[index]))]
     return free.value(fit.z[index]), min(ends), max(ends)
+
+
+def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
+    """
+    Return why a fitted effect is none that this record shows, '' where it is one.
+
+    An effect stands if the neutral values of its own sizes lie outside the region that holds 95 %
+    of their draws, and if none has run into its bound: then something else is imitated. The region
+    is that of all sizes together: two that do the same may each be anything, their sum may not.
+    """
+    own = own_sizes(effect)
+    shown = np.linalg.norm(fit.jacobian[:problem.rows_counted()], axis=0) * np.abs(fit.z)
+    sizes = [j for j, free in enumerate(problem.freedoms)
+             if free.knob.parameter in own and shown[j] > 1.0]  # else all of it is below the noise
+    if not sizes or _holds_zero(draws[:, sizes], fit.z[sizes]):
+        return 'its size is not told from none'
+    stuck = [problem.freedoms[j] for j in sizes if _at_bound(problem.freedoms[j], fit.z[j])]
+    return f'{stuck[0].knob.parameter} runs into its bound' if stuck else ''
+
+
+def _holds_zero(draws: Array, best: Array) -> bool:
+    """Tell whether zero is in the ellipsoid of 95 % of the draws, around their mean or the best."""
+    mean = draws.mean(axis=0)
+    shape = np.linalg.pinv(np.atleast_2d(np.cov(draws, rowvar=False)), rcond=1e-9, hermitian=True)
+
+    def distance(x: Array) -> Array:
+        return np.einsum('...i,ij,...j->...', x, shape, x)
+
+    widest = np.quantile(distance(draws - mean), 0.95)
+    return bool(min(distance(mean), distance(best)) <= widest)
+
+
+def own_sizes(effect: str) -> set[str]:
+    """Return the parameters that give an effect its size and no effect before it has as well."""
+    before = set()
+    for name, row in EFFECTS.items():
+        sizes = {knob.parameter for knob in row.knobs if not knob.shape}
+        if name == effect:
+            return sizes - before
+        before |= sizes
+    raise KeyError(effect)
+
+
+def _at_bound(free: Free, z: float) -> bool:
+    """Tell whether a size has run into a bound that is not its neutral value."""
+    room = AT_BOUND * (free.high - free.low)
+    return (abs(free.low) > room and z - free.low < room) or (
+        abs(free.high) > room and free.high - z < room)

@@ -176,8 +176,10 @@ def screen(problem: Problem, around: list[_Reference], name: str, frequencies: A
             if cost < lowest:
                 best, lowest = z, cost
         if best is not None:
-            starts.append(np.clip(best, low, high))
-            costs.append(lowest)
+            start = np.clip(best, low, high)
+            if not any(np.allclose(start, other, rtol=1e-3) for other in starts):
+                starts.append(start)
+                costs.append(lowest)
     order = np.argsort(costs)
     return Screened(name, joint, tuple(starts[k] for k in order), tuple(costs[k] for k in order))
 

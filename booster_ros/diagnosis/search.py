@@ -10,7 +10,8 @@ named effects. Numbered as carried out:
 2. screen every effect in the catalogue with the declared parameters reacting (see screening);
 3. fit the most promising jointly with the declared parameters, on the fit segments, thinned, a
    few steps from both starts that screening found, then the cheapest to their end;
-4. score them on the select segments; the score is the sum of squared scaled residuals and of the
+4. leave out those whose size is not told from none, or which run into their bounds (see
+   intervals), and score the others on the select segments; the score is the sum of squared scaled residuals and of the
    departures that the priors of the declared parameters hold against a model;
 5. keep the best and go on from 2 for a second and a third effect while the score falls by more
    than one standard error (paired, over segments), by a share that matters, and by a third of
@@ -30,9 +31,10 @@ import numpy as np
 from booster_ros.diagnosis import cascade
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Fit, Free, Problem
+from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
 from booster_ros.diagnosis.screening import (
     Screened, references, screen, strong_frequencies, with_effect)
-from booster_ros.diagnosis.segments import Segment, rows_of
+from booster_ros.diagnosis.segments import Segment, rows_of, segment_of_row
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.system import PositionerParameters
@@ -58,7 +60,10 @@ OTHER_START = 2.0
 """A fit from an effect's other start is given up when it costs so much more than the first."""
 
 CLOSE = 3.0
-"""Fits that cost up to so much more than the best are given as many steps once more."""
+POLISHINGS = 4
+WORTH_POLISHING = 0.01
+"""Fits that cost up to so much more than the best are given as many steps again, so many times at
+the most, while that lowers their cost by this share."""
 
 FEWEST = 3
 """So many are fitted even if their screening looks hopeless beside the best."""
@@ -72,8 +77,11 @@ WORTH_EXPLAINING = 0.3
 NEGLIGIBLE = 2e-3
 """Of the declared model's excess over noise, this share may be what idealising an effect leaves."""
 
-TOO_SIMILAR = 0.03
+TOO_SIMILAR = 0.05
 """Models whose scores differ by less than this share are not told apart by a record."""
+
+LIKELY = 6.0
+"""Of equally plain models not told apart, those whose score is higher by this are unlikely."""
 
 THINNING = 8
 """Fits use every eighth row, and all rows where the drive jumps."""
@@ -88,7 +96,7 @@ class Candidate:
     A model: its effects, its fit, and how it scores on the select segments.
 
     `confirmed` says that its last effect explains enough of what is seen above the stem, where
-    the stem's friction blurs the whole.
+    the stem's friction blurs the whole; `fault` why its last effect is none that this record shows.
     """
 
     effects: tuple[str, ...]
@@ -98,6 +106,7 @@ class Candidate:
     prior: float
     samples: int
     confirmed: bool = False
+    fault: str = ''
 
     @property
     def score(self) -> float:
@@ -250,11 +259,17 @@ class Search:
         least = min((one.fit.cost for one in ended.values()), default=0.0)
         for name, one in ended.items():
             if least < one.fit.cost < CLOSE * least:  # on equal terms with the best
-                ended[name] = replace(
-                    one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
+                ended[name] = replace(one, fit=_polished(one.problem, one.fit))
         return preferred_first([
             replace(self.rate((*parent.effects, one.effect), one.problem, one.fit),
-                    confirmed=one.confirmed) for one in ended.values()])
+                    confirmed=one.confirmed, fault=self.fault(one.problem, one.fit, one.effect))
+            for one in ended.values()])
+
+    def fault(self, problem: Problem, fit: Fit, effect: str) -> str:
+        """Return why a fitted effect is none that this record shows, '' where it is one."""
+        of_row = segment_of_row(self.segments, len(self.experiment.time))
+        rows = np.searchsorted(self.experiment.time, problem.experiment.time)
+        return undetermined(problem, block_bootstrap(problem, fit, of_row[rows]), fit, effect)
 
     def _begun(self, thin: Problem, fitted: Fit, names: list[str], tick: Callable[[], None],
                worth: float = np.inf, few: bool = False) -> 'list[_Begun]':
@@ -325,24 +340,44 @@ class Search:
         return begun + self._begun(parent.problem, parent.fit, lower, tick, worth, few=True)
 
 
+def _polished(problem: Problem, fit: Fit) -> Fit:
+    """Return the fit carried on until that no longer pays; where the stem sticks, once."""
+    rounds = 1 if has_dry_friction(fit.parameters.actuator) else POLISHINGS
+    for _ in range(rounds):
+        better = problem.fit(fit.z, evaluations=EVALUATIONS)
+        fell = fit.cost - better.cost
+        fit = min(fit, better, key=lambda f: f.cost)
+        if fell < WORTH_POLISHING * fit.cost:
+            break
+    return fit
+
+
 def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
     """
     Return the candidates by score; of those not told apart from the best, the plainest first.
 
-    Plainest: fewest sizes, then the order of the catalogue, which lists common causes first.
+    Plainest: fewest sizes, then those that the data do not make unlikely beside the best, then the
+    order of the catalogue, which lists common causes first. Those with a fault come last.
     """
-    ranked = sorted(candidates, key=lambda c: c.score)
+    ranked = sorted(candidates, key=lambda c: (bool(c.fault), c.score))
     if not ranked:
         return ranked
-    ties = [c for c in ranked if not told_apart(c, ranked[0])]
+    ties = [c for c in ranked if c.fault == ranked[0].fault and not told_apart(c, ranked[0])]
     order = list(EFFECTS)
 
-    def plainness(c: Candidate) -> tuple[int, int]:
-        sizes = sum(not free.knob.shape for free in c.problem.freedoms)
-        return sizes, sum(order.index(e) for e in c.effects)
+    def plainness(c: Candidate) -> tuple[int, bool, int]:
+        likely = c.score - ranked[0].score < LIKELY
+        return _sizes_shown(c), not likely, sum(order.index(e) for e in c.effects)
 
     ties.sort(key=plainness)
     return ties + [c for c in ranked if c not in ties]
+
+
+def _sizes_shown(candidate: Candidate) -> int:
+    """Return how many sizes of effects move the record by more than its noise."""
+    shown = np.linalg.norm(candidate.fit.jacobian, axis=0) * np.abs(candidate.fit.z) > 1.0
+    return sum(not free.knob.shape and not np.isfinite(free.sigma) and bool(seen)
+               for free, seen in zip(candidate.problem.freedoms, shown))
 
 
 def told_apart(worse: Candidate, better: Candidate) -> bool:

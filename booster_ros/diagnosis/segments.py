@@ -81,6 +81,14 @@ def split_sweep(rows: int) -> list[Segment]:
             for k, (first, last) in enumerate(pairwise(edges))]
 
 
+def segment_of_row(segments: list[Segment], size: int) -> Array:
+    """Return which of the segments each row belongs to, shape (size,), -1 for none."""
+    of_row = np.full(size, -1)
+    for k, segment in enumerate(segments):
+        of_row[segment.first:segment.last] = k
+    return of_row
+
+
 def rows_of(segments: list[Segment], roles: tuple[str, ...], size: int) -> Array:
     """Return a boolean array, shape (size,), that marks the rows of these roles."""
     marked = np.zeros(size, dtype=bool)
