@@ -32,9 +32,13 @@ def evaluations(monkeypatch):
     return per_row
 
 
-def test_a_smooth_row_takes_one_step(evaluations):
+def test_a_row_with_a_new_current_takes_one_step(evaluations):
     """Its rates, 4 more for the Jacobian, 2 stages; a few rows need more than one step."""
-    assert 7.0 <= evaluations(cases.paper_test(4.0)) < 9.0
+    assert 7.0 <= evaluations(cases.moving_command(4.0)) < 9.0
+
+
+def test_while_the_current_stands_a_step_takes_several_rows(evaluations):
+    assert evaluations(cases.paper_test(4.0)) < 0.5 * 7.0
 
 
 def test_stick_slip_costs_less_than_twice_as_much(evaluations):

@@ -197,7 +197,7 @@ at a relative tolerance of 1e-10. A setting is a relative tolerance, a step
 in s, or a multiple of our solver's tolerance.
 
 - *paper test*: the current changes three times in 46 s. Kind to solvers that choose their own
-  steps and interpolate at the rows; ours ends a step at every row.
+  steps and interpolate at the rows; so does ours where the current stands.
 - *moving command*: the current changes at every row, as in a closed loop or a recorded sweep.
 
 ![work and precision](figures/work_precision.svg)

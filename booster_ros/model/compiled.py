@@ -21,8 +21,8 @@ import types
 from typing import Any
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
-            'discrepancy', 'system', 'workspace', 'rodas3', 'dormand_prince', 'solver',
-            'kernel')
+            'discrepancy', 'system', 'workspace', 'rodas3', 'dormand_prince', 'ahead',
+            'solver', 'kernel')
 _PYTHON = f'py{sys.version_info.major}{sys.version_info.minor}'
 _PLAIN = {'new_workspace', 'balance_position'}
 
