@@ -317,6 +317,17 @@ def start_memory(p: PositionerParameters, current: float, y, first_step: float, 
     memory[LAGGED_POSITION] = memory[POSITION_PLAY]
 
 
+def readings(
+    p: PositionerParameters, time: float, seen: float, y, memory, force: float
+) -> tuple[float, float]:
+    """Return what the sensors read: Pa gauge, m; `force` is the booster's, N."""
+    pressure = pressure_reading(p.sensors, memory[LAGGED_PRESSURE])
+    position = position_reading(p.sensors, memory[LAGGED_POSITION])
+    pressure += discrepancy_at(p.discrepancy, term.PRESSURE_SENSOR, time, seen, y, force)
+    position += discrepancy_at(p.discrepancy, term.POSITION_SENSOR, time, seen, y, force)
+    return pressure, position
+
+
 def observe(
     p: PositionerParameters, time: float, current: float, seen: float, y, memory
 ) -> Outputs:
@@ -336,10 +347,7 @@ def observe(
     flow = intake_flow(
         p.booster, opened_in, y[SUPPLY], outlet, ambient, outlet_temperature
     ) - exhaust_flow(p.booster, opened_out, outlet, outlet_temperature, ambient)
-    pressure = pressure_reading(p.sensors, memory[LAGGED_PRESSURE])
-    position = position_reading(p.sensors, memory[LAGGED_POSITION])
-    pressure += discrepancy_at(p.discrepancy, term.PRESSURE_SENSOR, time, seen, y, force)
-    position += discrepancy_at(p.discrepancy, term.POSITION_SENSOR, time, seen, y, force)
+    pressure, position = readings(p, time, seen, y, memory, force)
     return Outputs(
         time, current, y[BACK], y[SUPPLY], force, opened_in, opened_out, flow, outlet, chamber,
         y[TEMPERATURE], y[POSITION], y[VELOCITY], pressure, position)
