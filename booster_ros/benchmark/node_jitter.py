@@ -114,8 +114,8 @@ def main() -> int:
     os.environ['ROS_DOMAIN_ID'] = str(domain.id)
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     rclpy.init()
-    print('| rate Hz | node | CPU % of a core | CPU µs per tick | jitter p50 µs | p99 µs | worst µs '
-          '| missing |')
+    print('| rate Hz | node | CPU % of a core | CPU µs per tick | jitter p50 µs | p99 µs '
+          '| worst µs | missing |')
     print('|---|---|---|---|---|---|---|---|')
     for rate in RATES:
         samples: dict[str, list[Sample]] = {name: [] for name in COMMANDS}
