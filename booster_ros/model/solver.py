@@ -37,7 +37,7 @@ SHORTEST_EVENT = 1e-7
 FIRST_SLIP_STEP = 3e-4
 """Trial step after break-away, s."""
 
-LONGEST_EXPLICIT = 1e-3
+LONGEST_EXPLICIT = 2e-3
 """A sliding stem's steps up to this length, s, are explicit unless they turn out to be stiff."""
 
 STIFF = 2.5
@@ -157,8 +157,7 @@ def advance(
                 moving = count - 2
         if not rates_known:
             derivatives(p, time, current, direction, y, w.rates)
-        longest = max(left, longest_ahead) if direction == 0.0 else left
-        step = min(memory[TRIAL_STEP], longest)
+        step = min(memory[TRIAL_STEP], max(left, longest_ahead))
         if direction != 0.0:
             step = min(step, max(friction_time_scale(p, y, w.rates), smallest))
         explicit = (direction != 0.0 and step <= LONGEST_EXPLICIT
@@ -173,6 +172,9 @@ def advance(
         if math.isnan(error):
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
             return
+        if step > left and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
+            step = left  # a step ahead does not end a slide
+            error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
         whole = step == tried
         proposal = step * _step_factor(error / tolerance, explicit)
         if explicit and contraction(active, moving, w) > STIFF:
@@ -195,7 +197,7 @@ def advance(
         cut = whole and step < memory[TRIAL_STEP]
         memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP]) if cut else proposal
         if step > left:
-            begin_ahead(p, time, current, y, memory, step, moving < count, w)
+            begin_ahead(p, time, current, direction, y, memory, step, moving < count, w)
             continue
         for i in range(STATES):
             y[i] = w.trial[i]
