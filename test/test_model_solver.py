@@ -192,6 +192,15 @@ def test_plant_keeps_its_state_when_parameters_change():
         before.chamber_pressure, before.valve_position, before.stem_velocity, before.time)
 
 
+def test_parameters_of_a_plant_at_rest_count_from_the_next_step():
+    plant = Plant(positioner())
+    plant.reset(chamber_pressure=225e3, control_current=float(current_for(225e3)))
+    plant.advance(float(current_for(225e3)), 1003)
+    plant.parameters = positioner({'actuator.leak_area': 1e-6})
+    plant.advance(float(current_for(225e3)), 2)
+    assert plant.outputs().chamber_pressure < 225e3 - 100.0
+
+
 def test_plant_resets_to_a_given_state():
     plant = Plant(positioner())
     plant.advance(PAPER_CURRENT, 500)
@@ -244,6 +253,54 @@ def test_a_stream_in_portions_is_the_whole_run(values):
         # the sum behind the dead time starts elsewhere, so its last digits may differ
         assert np.abs(joined - column).max() <= 1e-6 * np.abs(column).max(), name
     assert np.allclose(stream.state, whole.final_state, rtol=1e-6, atol=1e-9)
+
+
+def test_where_portions_end_changes_no_bit():
+    """A step that reaches beyond the last row of a portion is gone on with in the next."""
+    p = positioner({'actuator.coulomb_friction': 200.0, 'sensors.position_lag': 0.1})
+    time = rows(4.0)
+    current = np.where(time < 2.51, PAPER_CURRENT, 0.3e-3)
+    whole = simulate(p, time, current)
+    stream = Stream(p, 0.0, float(current[0]))
+    edges = [0, 1, 2, 14, 150, 251, 252, 300, len(time)]
+    parts = [stream.advance(time[a:b], current[a:b]) for a, b in pairwise(edges)]
+    for name, column in whole.columns.items():
+        assert np.array_equal(np.concatenate([part[name] for part in parts]), column), name
+
+
+def test_what_comes_later_changes_no_bit():
+    """That a step reaches ahead is no look at the rows to come."""
+    time = rows(3.0)
+    stays = simulate(positioner(), time, np.full_like(time, PAPER_CURRENT))
+    turns = simulate(positioner(), time, np.where(time < 1.505, PAPER_CURRENT, 0.3e-3))
+    until = time < 1.515  # the new current shows in the row after the one that commands it
+    for name, column in stays.columns.items():
+        if name == 'control_current':
+            continue
+        assert np.array_equal(turns[name][until], column[until]), name
+    assert turns['back_pressure'][152] < stays['back_pressure'][152] - 1e3
+
+
+@pytest.mark.parametrize('stands', [0.03, 0.11, 0.7])
+def test_steps_ahead_are_left_in_time(stands):
+    """A current that jumps about, at moments that cut steps short: still exact at all rows."""
+    time = rows(4.0)
+    level = np.array([0.40e-3, 0.47e-3, 0.36e-3, 0.43e-3, 0.45e-3])
+    current = level[(time / stands + 1e-9).astype(int) % len(level)]
+    case = cases.Case('jumps', positioner(), time, current, {'chamber_pressure': 200e3})
+    exact = reference(case, rtol=1e-8)
+    run = simulate(case.parameters, time, current, case.initial)
+    assert np.ptp(exact['valve_position']) > 0.3e-3
+    assert rms(run['valve_position'] - exact['valve_position']) < 0.5e-6
+    assert rms(run['chamber_pressure'] - exact['chamber_pressure']) < 10.0
+
+
+def test_what_depends_on_time_is_followed_while_the_current_stands():
+    p = positioner({'supply.ripple': 2e3, 'ep_converter.drift': 500.0})
+    time = rows(5.0)
+    run = simulate(p, time, np.full_like(time, PAPER_CURRENT), settled_at(200e3))
+    fine = simulate(p, rows(5.0, 1e-3), np.full(5001, PAPER_CURRENT), settled_at(200e3))
+    assert np.abs(run['chamber_pressure'] - fine['chamber_pressure'][::10]).max() < 50.0
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import pytest
 
 from booster_ros.benchmark import cases
 from booster_ros.model import dormand_prince, rodas3, solver
+from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
 
 
@@ -32,9 +33,19 @@ def evaluations(monkeypatch):
     return per_row
 
 
-def test_a_smooth_row_takes_one_step(evaluations):
+def test_a_row_with_a_new_current_takes_one_step(evaluations):
     """Its rates, 4 more for the Jacobian, 2 stages; a few rows need more than one step."""
-    assert 7.0 <= evaluations(cases.paper_test(4.0)) < 9.0
+    assert 7.0 <= evaluations(cases.moving_command(4.0)) < 9.0
+
+
+def test_while_the_current_stands_a_step_takes_several_rows(evaluations):
+    assert evaluations(cases.paper_test(4.0)) < 0.5 * 7.0
+
+
+def test_a_sliding_stem_takes_several_rows_a_step_too(evaluations):
+    case = cases.paper_test(4.0)
+    dry = from_values({'actuator.coulomb_friction': 200.0})
+    assert evaluations(case._replace(parameters=dry)) < 0.5 * 7.0
 
 
 def test_stick_slip_costs_less_than_twice_as_much(evaluations):

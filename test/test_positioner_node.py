@@ -62,7 +62,9 @@ def test_two_in_namespaces_have_their_own_topics_and_parameters(ros_client):
             return {status.name for message in diagnostics for status in message.status}
         ros_client.spin_until(lambda: {'a/positioner: time', 'b/pilot: time'} <= names())
         ros_client.spin_until(lambda: there and here)
-        assert 0.0 < there[0].data <= 1e4
+        # it vents; a message that a busy machine hears late is near zero, on either side
+        assert there[0].data != 0.0
+        assert -1.0 < there[0].data <= 1e4
         assert here[0].data == 0.0
 
 

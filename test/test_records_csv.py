@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from booster_ros.records import CsvWriter, RecordError, csv_columns, iterate_csv, read_record
+from booster_ros.records.csv_digits import fixed_lines
 
 HEADER = 'time,control_current,chamber_pressure,valve_position'
 
@@ -393,3 +394,26 @@ def test_an_interrupted_writer_leaves_nothing_and_keeps_the_old_file(tmp_path):
 def test_a_place_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(RecordError, match=r'no_folder.out\.csv cannot be written: No such file'):
         CsvWriter(tmp_path / 'no_folder' / 'out.csv', ['time'])
+
+
+def test_written_numbers_are_those_that_python_formats():
+    """To the byte, also at ties, around powers of ten, below zero and for negative zero."""
+    random = np.random.default_rng(7)
+    table = np.concatenate([
+        random.normal(size=(5000, 3)) * 10.0 ** random.integers(-9, 5, (5000, 3)),
+        np.array([[0.0, -0.0, 0.0005], [0.0015, -0.0625, 1e-13], [999.9995, 9.9999995, -0.0004]]),
+        (random.integers(-99, 99, (500, 3)) + 0.5) * [1e-3, 1e-6, 1e-9],
+        random.integers(-99, 99, (500, 3)) / 64.0,
+    ])
+    decimals = (3, 6, 9)
+    expected = ''.join(f'{a:.3f},{b:.6f},{c:.9f}\n' for a, b, c in table.tolist())
+    assert fixed_lines(table, decimals) == expected.encode()
+    assert fixed_lines(table[:1], decimals) == expected.split('\n', 1)[0].encode() + b'\n'
+
+
+@pytest.mark.parametrize('value', [np.nan, -np.inf, 1e30])
+def test_what_has_no_fixed_digits_is_written_all_the_same(tmp_path, value):
+    path = tmp_path / 'out.csv'
+    with CsvWriter(path, ('time', 'chamber_pressure')) as writer:
+        writer.write_rows(np.array([[0.0, 1.0], [1.0, value]]))
+    assert path.read_text() == f'time,chamber_pressure\n0.000000,1.000\n1.000000,{value:.3f}\n'

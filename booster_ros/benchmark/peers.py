@@ -3,9 +3,10 @@
 """
 What users would integrate the model with instead: scipy, SUNDIALS, a Runge-Kutta loop.
 
-Each peer solves a case without dry friction and returns back pressure, chamber pressure, position
-and velocity at its rows, shape (rows, 4). All evaluate the model's own `derivatives`, compiled by
-numba unless the name says Python, and start anew wherever the current changes unless told not to.
+Each peer solves a case and returns back pressure, chamber pressure, position and velocity at its
+rows, shape (rows, 4). All but `stick_slip_peer` know no dry friction. All evaluate the model's own
+`derivatives`, compiled by numba unless the name says Python, and start anew wherever the current
+changes unless told not to.
 """
 
 from __future__ import annotations
@@ -21,8 +22,10 @@ from scipy.integrate import solve_ivp
 from ..model import system
 from ..model.compiled import compiled_modules
 from ..model.stream import settled_state
-from ..model.system import BACK, CHAMBER, POSITION, STATES, VELOCITY
+from ..model.system import (
+    BACK, CHAMBER, POSITION, STATE_NAMES, STATES, VELOCITY, PositionerParameters)
 from .cases import Case
+from .reference import Integrator, Piece, reference
 
 MOVING = np.array([BACK, CHAMBER, POSITION, VELOCITY])
 SCALES = np.array([1e4, 1e4, 1e-2, 1.0])
@@ -104,6 +107,53 @@ def scipy_peer(
             result[rows] = solution.y.T
             z = solution.y[:, -1]
         return result
+    return run
+
+
+def cvode_integrator() -> Integrator:
+    """Return the integration by CVODE and its own search for events."""
+    from sksundae.cvode import CVODE
+
+    def integrate(rates, end, time, until, start, rtol, atol):  # type: ignore[no-untyped-def]
+        def f(t: float, z: np.ndarray, out: np.ndarray) -> None:
+            out[:] = rates(t, z)
+
+        def event(t: float, z: np.ndarray, out: np.ndarray) -> None:
+            out[0] = end(t, z)
+
+        event.terminal, event.direction = [True], [1]  # type: ignore[attr-defined]
+        solver = CVODE(
+            f, rtol=rtol, atol=np.array(atol), max_num_steps=10**6,
+            **({'eventsfn': event, 'num_events': 1} if end else {}))
+        found = solver.solve(np.array([time, *until]), np.array(start))
+        ended = found.status == 2
+        rows = np.isin(found.t[1:], until)  # between two moments it returns all its steps
+        return Piece(found.y[1:][rows], (float(found.t[-1]), found.y[-1]) if ended else None)
+    return integrate
+
+
+def stick_slip_peer(integrate: Integrator) -> Callable[[Case, float], np.ndarray]:
+    """
+    Return a run at a relative tolerance that finds where a stem sticks and slips.
+
+    The search for events is the integrator's; which equations hold between two is in `reference`.
+    """
+    modules = compiled_modules()
+    assert modules is not None
+    machine = modules['system']['derivatives']
+    state, rate = np.zeros(STATES), np.zeros(STATES)
+
+    def rates(
+        p: PositionerParameters, time: float, current: float, direction: float, y: list[float],
+        out: list[float],
+    ) -> None:
+        state[:] = y
+        machine(p, time, current, direction, state, rate)
+        out[:] = rate.tolist()
+
+    def run(case: Case, rtol: float) -> np.ndarray:
+        states = reference(case, rtol, integrate, rates)
+        return np.stack([states[STATE_NAMES[s]] for s in MOVING], axis=1)
     return run
 
 

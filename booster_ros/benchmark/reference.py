@@ -9,12 +9,12 @@ at which a stem sticks and slips are scipy's.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import OptimizeResult
 
 from ..model.simulation import active_states, settled_state
 from ..model.system import (
@@ -36,11 +36,53 @@ from .cases import Case
 SCALES = (1e4, 1e4, 1e4, 1e4, 10.0, 1e-2, 1.0)
 
 
-def reference(case: Case, rtol: float = 1e-10) -> dict[str, np.ndarray]:
+Rates = Callable[[PositionerParameters, float, float, float, list[float], list[float]], None]
+
+
+class Piece(NamedTuple):
+    """States at the moments that were reached, and moment and state of the event that ended it."""
+
+    states: Sequence[np.ndarray]
+    event: tuple[float, np.ndarray] | None
+
+
+Integrator = Callable[
+    [Callable[..., list[float]], Callable[..., float] | None, float, np.ndarray, list[float],
+     float, list[float]], Piece]
+"""
+Integrates rates(t, z) to the given moments, or to where an event function rises through zero.
+
+Arguments: rates, event function or None, start, moments, states at the start, tolerances.
+"""
+
+
+def scipy_integrator(method: str) -> Integrator:
+    """Return the integration by a method of `solve_ivp`."""
+    def integrate(rates, end, time, until, start, rtol, atol):  # type: ignore[no-untyped-def]
+        def event(t: float, z: np.ndarray) -> float:
+            return end(t, z)
+
+        event.terminal = True  # type: ignore[attr-defined]
+        event.direction = 1.0  # type: ignore[attr-defined]
+        found = solve_ivp(
+            rates, (time, until[-1]), start, method, t_eval=until, rtol=rtol, atol=atol,
+            events=event if end else None)
+        ended = found.status == 1
+        return Piece(
+            found.y.T if len(found.t) else [],
+            (float(found.t_events[0][0]), found.y_events[0][0]) if ended else None)
+    return integrate
+
+
+def reference(
+    case: Case, rtol: float = 1e-10, integrate: Integrator | None = None,
+    rates: Rates = derivatives,
+) -> dict[str, np.ndarray]:
     """
     Return the states over the case's rows, by name.
 
-    Dead time, hysteresis and sensors are outside the differential equations and not in here.
+    By Radau unless told to `integrate` otherwise; `rates` is the model's `derivatives` or what
+    gives the same. Dead time, hysteresis and sensors are outside the differential equations.
     """
     p = case.parameters
     y = settled_state(
@@ -56,7 +98,8 @@ def reference(case: Case, rtol: float = 1e-10) -> dict[str, np.ndarray]:
     for first, last in _standing(case.control_current):
         current = float(case.control_current[first])
         direction = _integrate(
-            p, current, direction, y, case.time[first:last + 1], result[first:last + 1], rtol)
+            p, current, direction, y, case.time[first:last + 1], result[first:last + 1], rtol,
+            integrate or scipy_integrator('Radau'), rates)
         y[:] = result[last]
     return dict(zip(STATE_NAMES, result.T))
 
@@ -72,16 +115,23 @@ class _Regime:
     """The equations between two events: sliding one way, stuck, or without dry friction."""
 
     def __init__(
-        self, p: PositionerParameters, current: float, direction: float, state: Sequence[float]
+        self, p: PositionerParameters, current: float, direction: float, state: Sequence[float],
+        derivatives: Rates,
     ) -> None:
         stuck = sticks(p) and direction == 0.0
         self.moving = [s for s in active_states(p) if not (stuck and s in (POSITION, VELOCITY))]
         self._p, self._current, self._direction = p, current, direction
+        self._derivatives = derivatives
         self._start = list(state)
         if stuck:
             self._start[VELOCITY] = 0.0
 
-    def full_state(self, time: float, moving: Sequence[float]) -> list[float]:
+    @property
+    def start(self) -> list[float]:
+        """The moving states at the start."""
+        return [self._start[s] for s in self.moving]
+
+    def full_state(self, time: float, moving: Sequence[float] | np.ndarray) -> list[float]:
         full = list(self._start)
         for s, value in zip(self.moving, moving):
             full[s] = float(value)
@@ -91,7 +141,7 @@ class _Regime:
     def rates(self, time: float, moving: Sequence[float]) -> list[float]:
         rate = [0.0] * STATES
         full = self.full_state(time, moving)
-        derivatives(self._p, time, self._current, self._direction, full, rate)
+        self._derivatives(self._p, time, self._current, self._direction, full, rate)
         return [rate[s] for s in self.moving]
 
     def end(self, time: float, moving: Sequence[float]) -> float:
@@ -108,36 +158,26 @@ class _Regime:
             return slip_direction(self._p, time, self._current, state)
         return 1.0 if net_stem_force(self._p, time, self._current, state) > 0.0 else -1.0
 
-    def solve(self, time: float, until: np.ndarray, rtol: float) -> OptimizeResult:
-        """Integrate from `time` to the last of `until`, or to the end of the regime."""
-        def end(t: float, moving: Sequence[float]) -> float:
-            return self.end(t, moving)
-
-        end.terminal = True  # type: ignore[attr-defined]
-        end.direction = 1.0  # type: ignore[attr-defined]
-        return solve_ivp(
-            self.rates, (time, until[-1]), [self._start[s] for s in self.moving], 'Radau',
-            t_eval=until, rtol=rtol, atol=[rtol * SCALES[s] for s in self.moving],
-            events=end if sticks(self._p) else None,
-        )
-
 
 def _integrate(
     p: PositionerParameters, current: float, direction: float, y: Sequence[float],
-    time: np.ndarray, result: np.ndarray, rtol: float,
+    time: np.ndarray, result: np.ndarray, rtol: float, integrate: Integrator,
+    rates: Rates,
 ) -> float:
     """Fill `result[1:]` with the states at `time[1:]`; return the direction of sliding then."""
     now, state, row = float(time[0]), list(y), 1
     if sticks(p) and direction == 0.0:
         direction = slip_direction(p, now, current, state)
     while row < len(time):
-        regime = _Regime(p, current, direction, state)
-        solution = regime.solve(now, time[row:], rtol)
-        for k, t in enumerate(solution.t):
-            result[row] = regime.full_state(float(t), solution.y[:, k])
+        regime = _Regime(p, current, direction, state, rates)
+        piece = integrate(
+            regime.rates, regime.end if sticks(p) else None, now, time[row:], regime.start, rtol,
+            [rtol * SCALES[s] for s in regime.moving])
+        for z in piece.states:
+            result[row] = regime.full_state(float(time[row]), z)
             row += 1
-        if solution.status == 1:
-            now = float(solution.t_events[0][0])
-            state = regime.full_state(now, solution.y_events[0][0])
+        if piece.event is not None:
+            now = piece.event[0]
+            state = regime.full_state(*piece.event)
             direction = regime.next_direction(now, state)
     return direction

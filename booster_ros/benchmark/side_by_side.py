@@ -25,6 +25,7 @@ from ..model.simulation import simulate
 from ..model.system import POSITION, STATE_NAMES
 from . import cases, peers, scaling
 from .cases import Case
+from .reference import scipy_integrator
 
 OURS = 'booster_ros, compiled'
 ROUNDS = 3
@@ -66,8 +67,20 @@ def ours(compiled: bool) -> Callable[[Case, float], np.ndarray]:
     return run
 
 
+def stick_slip_contestants() -> list[Contestant]:
+    """Return what can follow a stem that sticks."""
+    return [
+        Contestant(OURS, ours(True), TOLERANCES),
+        Contestant('booster_ros, plain Python', ours(False), (1.0,)),
+        Contestant('LSODA (scipy), numba rates', peers.stick_slip_peer(
+            scipy_integrator('LSODA')), RTOLS[::2]),
+        Contestant('CVODE (SUNDIALS), numba rates', peers.stick_slip_peer(
+            peers.cvode_integrator()), RTOLS[::2]),
+    ]
+
+
 def contestants() -> list[Contestant]:
-    """Return all that are compared."""
+    """Return all that are compared where nothing sticks."""
     machine = peers.machine_rates()
     return [
         Contestant(OURS, ours(True), TOLERANCES),
@@ -84,9 +97,9 @@ def contestants() -> list[Contestant]:
     ]
 
 
-def measure(case: Case, exact: np.ndarray) -> list[Result]:
+def measure(case: Case, exact: np.ndarray, compared: list[Contestant]) -> list[Result]:
     """Return every contestant's error and speed at every setting, runs interleaved."""
-    entries = [(c, setting) for c in contestants() for setting in c.settings]
+    entries = [(c, setting) for c in compared for setting in c.settings]
     speeds: list[list[float]] = [[] for _ in entries]
     errors = [0.0] * len(entries)
     length = case.time[-1] - case.time[0]
@@ -106,10 +119,9 @@ def measure(case: Case, exact: np.ndarray) -> list[Result]:
     ]
 
 
-def exact_position(case: Case) -> np.ndarray:
-    """Return the positions by Radau at a relative tolerance of 1e-10."""
-    return peers.scipy_peer('Radau', peers.machine_rates())(case, 1e-10)[
-        :, peers.MOVING.tolist().index(POSITION)]
+def exact_position(run: Callable[[Case, float], np.ndarray], case: Case) -> np.ndarray:
+    """Return the positions that a peer gives at a relative tolerance of 1e-10."""
+    return run(case, 1e-10)[:, peers.MOVING.tolist().index(POSITION)]
 
 
 def best_within(results: list[Result], error: float) -> list[Result]:
@@ -138,7 +150,7 @@ def plot(outcomes: dict[str, list[Result]], path: Path) -> None:
     from matplotlib import pyplot
 
     figure, panels = pyplot.subplots(
-        1, len(outcomes), figsize=(11.0, 4.5), layout='constrained', sharey=True)
+        1, len(outcomes), figsize=(14.0, 4.5), layout='constrained', sharey=True)
     for axes, (case, results) in zip(panels, outcomes.items(), strict=True):
         for name in dict.fromkeys(r.name for r in results):
             mine = [r for r in results if r.name == name]
@@ -149,7 +161,7 @@ def plot(outcomes: dict[str, list[Result]], path: Path) -> None:
         axes.set(title=case, xlabel='position error, µm RMS')
         axes.grid(which='both', alpha=0.3)
     panels[0].set_ylabel('simulated seconds per CPU second')
-    panels[-1].legend(fontsize=8)
+    panels[0].legend(fontsize=8)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)
     pyplot.close(figure)
@@ -197,15 +209,15 @@ at a relative tolerance of 1e-10. A setting is a relative tolerance, a step
 in s, or a multiple of our solver's tolerance.
 
 - *paper test*: the current changes three times in 46 s. Kind to solvers that choose their own
-  steps and interpolate at the rows; ours ends a step at every row.
+  steps and interpolate at the rows; so does ours where the current stands.
 - *moving command*: the current changes at every row, as in a closed loop or a recorded sweep.
+- *stick-slip*: the current changes at every row, the stem sticks and slips. The peers find these
+  moments by their own search for events, and start anew in the equations that hold from there.
 
 ![work and precision](figures/work_precision.svg)
 
 {text}
-What the peers are spared and ours is not: outputs besides the states, sensors. A stem with dry
-friction is left out here, as the peers would need a search for its events around them; our
-solver's error and speed with stick-slip are in [accuracy](accuracy.md).
+What the peers are spared and ours is not: outputs besides the states, sensors.
 
 {scaling.document()}"""
 
@@ -213,8 +225,13 @@ solver's error and speed with stick-slip are in [accuracy](accuracy.md).
 def main() -> int:
     """Measure and write the documents."""
     outcomes, sections = {}, []
-    for case in (cases.paper_test(), cases.moving_command()):
-        outcomes[case.name] = measure(case, exact_position(case))
+    smooth = peers.scipy_peer('Radau', peers.machine_rates()), contestants
+    sticking = peers.stick_slip_peer(scipy_integrator('Radau')), stick_slip_contestants
+    for case, (radau, compared) in (
+        (cases.paper_test(), smooth), (cases.moving_command(), smooth),
+        (cases.stick_slip(), sticking),
+    ):
+        outcomes[case.name] = measure(case, exact_position(radau, case), compared())
         sections.append(section(case, outcomes[case.name]))
     plot(outcomes, DOCS / 'figures' / 'work_precision.svg')
     text = document(sections)

@@ -21,8 +21,12 @@ import types
 from typing import Any
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
-            'discrepancy', 'system', 'workspace', 'rodas3', 'dormand_prince', 'solver',
-            'kernel')
+            'discrepancy', 'system', 'workspace', 'rodas3', 'dormand_prince', 'ahead',
+            'solver', 'kernel')
+# Parameters are a hundred numbers, and a call hands them over one by one: where the equations are
+# inlined into the steps, they take half the time. Inlined itself, rodas3 would be compiled at each
+# of its many calls, for twice as long and to no use.
+_INLINED = frozenset(_MODULES) - {'workspace', 'rodas3', 'solver', 'kernel'}
 _PYTHON = f'py{sys.version_info.major}{sys.version_info.minor}'
 _PLAIN = {'new_workspace', 'balance_position'}
 
@@ -36,12 +40,12 @@ def cache_folder() -> Path | None:
     """
     Return the folder for machine code of exactly these sources, or None where none is writable.
 
-    The name holds a digest of the sources, because numba's own check looks at one file only and
-    would keep a function whose callee in another file has changed; and of where they are, because
-    numba keeps the code of each copy apart.
+    The name holds a digest of the sources and of how they are compiled, because numba's own check
+    looks at one file only and would keep a function whose callee in another file has changed; and
+    of where they are, because numba keeps the code of each copy apart.
     """
     here = Path(__file__).parent
-    digest = hashlib.sha256(str(here).encode())
+    digest = hashlib.sha256(str(here).encode() + Path(__file__).read_bytes())
     for name in _MODULES:
         digest.update((here / f'{name}.py').read_bytes())
     home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')
@@ -106,7 +110,8 @@ def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, A
             twin = types.FunctionType(value.__code__, names, key, value.__defaults__)
             twin.__module__ = module.__name__
             twin.__qualname__ = value.__qualname__
-            names[key] = njit(nogil=True, cache=cache, error_model='numpy')(twin)
+            names[key] = njit(nogil=True, cache=cache, error_model='numpy',
+                              forceinline=name in _INLINED)(twin)
             replaced[_identity(value)] = names[key]
         namespaces[name] = names
     return namespaces

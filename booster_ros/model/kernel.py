@@ -2,10 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The loop over intervals of standing inputs, for one interval and for a whole record."""
 
+from .ahead import covers, go_along
 from .solver import Workspace, advance
 from .system import (
-    CHAMBER, POSITION, STATES, PositionerParameters, hold_inactive_states, measure, observe,
-    seen_current)
+    CHAMBER, POSITION, STANDING, STATES, STEP_AHEAD, TRIAL_STEP, PositionerParameters,
+    depends_on_time, hold_inactive_states, measure, observe, seen_current)
+
+LONGEST_STEP = 0.5
+"""While a current stands, steps over several intervals are no longer than this, s."""
 
 OBSERVED = 15
 """Columns that `run` writes: the fields of `Outputs`."""
@@ -22,9 +26,22 @@ def interval(
     states in `pinned` are given in `y` and are not among the `active`.
     """
     seen = seen_current(p, memory, current)
-    hold_inactive_states(p, time + 0.5 * length, y, pinned)
     before = (y[CHAMBER], y[POSITION])
-    advance(p, time, seen, length, y, memory, active, count, tolerance, w)
+    stands = seen == memory[STANDING] and len(pinned) == 0
+    if stands and covers(memory, length):
+        go_along(y, memory, length, active, count, w)
+    else:
+        hold_inactive_states(p, time + 0.5 * length, y, pinned)
+        # a current that has stood over an interval is trusted to stand on
+        longest_ahead = 0.0
+        if stands and not depends_on_time(p):
+            longest_ahead = LONGEST_STEP
+        else:
+            memory[STANDING] = seen
+            memory[STEP_AHEAD] = 0.0
+            memory[TRIAL_STEP] = min(memory[TRIAL_STEP], length)
+        advance(
+            p, time, seen, length, y, memory, active, count, tolerance, w, longest_ahead)
     hold_inactive_states(p, time + length, y, pinned)
     measure(p, memory, before, y, length)
     return seen

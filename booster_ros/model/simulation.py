@@ -12,8 +12,8 @@ from .kernel import interval
 from .solver import new_workspace
 from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
-    CENTRED, MEMORIES, Departure, Outputs, PositionerParameters, hold_inactive_states, observe,
-    start_memory)
+    CENTRED, MEMORIES, STANDING, Departure, Outputs, PositionerParameters, booster_force,
+    hold_inactive_states, observe, readings, start_memory)
 
 DEFAULT_STEP = 1e-3
 """Interval of the stepping plant, s."""
@@ -50,6 +50,7 @@ class Plant:
     def parameters(self, parameters: PositionerParameters) -> None:
         self._parameters = parameters
         self._active = active_states(parameters)
+        self._memory[STANDING] = math.nan  # a step ahead was for other parameters
         hold_inactive_states(parameters, self.time, self._y, ())
 
     @property
@@ -104,6 +105,12 @@ class Plant:
         """Return what can be seen now."""
         return observe(
             self._parameters, self.time, self._current, self._seen, self._y, self._memory)
+
+    def readings(self) -> tuple[float, float]:
+        """Return what the sensors read now: pressure, Pa gauge, and position, m."""
+        p, time, y = self._parameters, self.time, self._y
+        force = booster_force(p, time, self._seen, y)
+        return readings(p, time, self._seen, y, self._memory, force)
 
 
 @dataclass(frozen=True)

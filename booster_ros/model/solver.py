@@ -19,11 +19,13 @@ The functions work on lists (plain Python) and on numpy arrays (compiled) alike.
 
 import math
 
+from .ahead import begin_ahead, covers, finish, go_along
 from .dormand_prince import ORDER as EXPLICIT_ORDER, contraction, explicit_step
 from .rodas3 import ORDER as IMPLICIT_ORDER, fill_jacobian, implicit_step
 from .system import (
-    CHAMBER, DIRECTION, STATES, STIFFNESS, TRIAL_STEP, VELOCITY, PositionerParameters,
-    breakaway_excess, derivatives, friction_time_scale, slip_direction, sticks)
+    CHAMBER, DIRECTION, STATES, STEP_AHEAD, STIFFNESS, TRIAL_STEP, VELOCITY,
+    PositionerParameters, breakaway_excess, derivatives, friction_time_scale, slip_direction,
+    sticks)
 from .workspace import Workspace, new_workspace
 
 FINEST_DIVISION = 4000.0
@@ -35,7 +37,7 @@ SHORTEST_EVENT = 1e-7
 FIRST_SLIP_STEP = 3e-4
 """Trial step after break-away, s."""
 
-LONGEST_EXPLICIT = 1e-3
+LONGEST_EXPLICIT = 2e-3
 """A sliding stem's steps up to this length, s, are explicit unless they turn out to be stiff."""
 
 STIFF = 2.5
@@ -118,19 +120,29 @@ def _step_to_rest(p, time, current, direction, y, step, explicit, active, count,
 
 def advance(
     p: PositionerParameters, time: float, current: float, length: float, y, memory,
-    active, count: int, tolerance: float, w: Workspace,
+    active, count: int, tolerance: float, w: Workspace, longest_ahead: float = 0.0,
 ) -> None:
     """
     Take the state `y` from `time` over `length` s of standing inputs, in place.
 
     `active[:count]` are the states to integrate in rising order, the others stand still;
-    `tolerance` multiplies `TOLERANCE` (infinite: one step however large the error).
+    `tolerance` multiplies `TOLERANCE` (infinite: one step however large the error). Steps of up to
+    `longest_ahead` s may reach beyond the interval; what is left of one is in `memory` and `w`.
     """
     smallest = length / FINEST_DIVISION
     dry = sticks(p) and count > 0 and active[count - 1] == VELOCITY
     left = length
     rates_known = False
     while left > 0.0:
+        if memory[STEP_AHEAD] > 0.0:
+            if covers(memory, left):
+                go_along(y, memory, left, active, count, w)
+                return
+            gone = finish(y, memory, active, count, w)
+            left = left - gone if left - gone > 1e-12 * length else 0.0
+            time += gone
+            rates_known = True
+            continue
         direction = 0.0
         moving = count
         if dry:
@@ -138,13 +150,14 @@ def advance(
                 memory[DIRECTION] = slip_direction(p, time, current, y)
                 memory[TRIAL_STEP] = FIRST_SLIP_STEP
                 memory[STIFFNESS] = 0.0
+                rates_known = False
             direction = memory[DIRECTION]
             if direction == 0.0:
                 y[VELOCITY] = 0.0
                 moving = count - 2
         if not rates_known:
             derivatives(p, time, current, direction, y, w.rates)
-        step = min(memory[TRIAL_STEP], left)
+        step = min(memory[TRIAL_STEP], max(left, longest_ahead))
         if direction != 0.0:
             step = min(step, max(friction_time_scale(p, y, w.rates), smallest))
         explicit = (direction != 0.0 and step <= LONGEST_EXPLICIT
@@ -159,6 +172,9 @@ def advance(
         if math.isnan(error):
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
             return
+        if step > left and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
+            step = left  # a step ahead does not end a slide
+            error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
         whole = step == tried
         proposal = step * _step_factor(error / tolerance, explicit)
         if explicit and contraction(active, moving, w) > STIFF:
@@ -177,14 +193,18 @@ def advance(
         elif dry and direction == 0.0 and breakaway_excess(p, time, current, w.trial) > 0.0:
             step = _step_to_breakaway(p, time, current, y, step, active, moving, w)
 
+        # a step cut short by an event or by the end of the interval says nothing against long ones
+        cut = whole and step < memory[TRIAL_STEP]
+        memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP]) if cut else proposal
+        if step > left:
+            begin_ahead(p, time, current, direction, y, memory, step, moving < count, w)
+            continue
         for i in range(STATES):
             y[i] = w.trial[i]
         rates_known = explicit and not landed
         if rates_known:
             for i in range(STATES):
                 w.rates[i] = w.stage_rates[i]
-        # a step cut short by an event or by the end of the interval says nothing against long ones
-        memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP]) if whole else proposal
         if landed:
             y[VELOCITY] = 0.0
             memory[DIRECTION] = 0.0

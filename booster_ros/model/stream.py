@@ -45,7 +45,7 @@ def settled_state(
         balance_position(p.actuator, chamber_pressure) if valve_position is None
         else valve_position)
     hold_inactive_states(p, time, y, ())
-    extra = discrepancy_at(p, EP_CONVERTER, time, current, y, 0.0)
+    extra = discrepancy_at(p.discrepancy, EP_CONVERTER, time, current, y, 0.0)
     y[BACK] = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
     if is_active(p, PRESLIDING):
         y[PRESLIDING] = held_force(p, time, current, y)
@@ -98,6 +98,9 @@ class Stream:
         self._machine = compiled_run() if compiled else None
         self._state: Any = y if self._machine is None else np.array(y)
         self._memory: Any = memory if self._machine is None else np.array(memory)
+        work = new_workspace()
+        self._work = work if self._machine is None else Workspace(
+            *(np.array(numbers) for numbers in work))  # type: ignore[arg-type]
         # the rows that still matter: as far back as the dead time, the last one at least
         self._time = np.empty(0)
         self._current = np.empty(0)
@@ -144,13 +147,12 @@ class Stream:
         if self._machine is None:
             run(self._parameters, time.tolist(), current.tolist(), delayed.tolist(), self._pinned,
                 pins, self._state, self._memory, self._active, len(self._active),
-                self._tolerance, self._longest, new_workspace(), out)
+                self._tolerance, self._longest, self._work, out)
             return
-        scratch: list[Any] = [np.array(numbers) for numbers in new_workspace()]
         self._machine(
             self._parameters, time, current, delayed, np.array(self._pinned, dtype=np.int64),
             pins, self._state, self._memory, np.array(self._active, dtype=np.int64),
-            len(self._active), self._tolerance, self._longest, Workspace(*scratch), out)
+            len(self._active), self._tolerance, self._longest, self._work, out)
 
     def _keep(self, time: np.ndarray, current: np.ndarray, pins: np.ndarray) -> None:
         oldest = time[-1] - max(self._parameters.ep_converter.dead_time, 0.0)

@@ -30,10 +30,11 @@ STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_p
 
 # What is remembered from one interval to the next besides the state: the stem's direction of
 # sliding (0 stuck or no dry friction), the solver's next trial step, how often the present slide
-# has been found stiff, the plays and the sensors.
-(DIRECTION, TRIAL_STEP, STIFFNESS, EP_PLAY, LAGGED_PRESSURE, LAGGED_POSITION,
- POSITION_PLAY) = range(7)
-MEMORIES = 7
+# has been found stiff, the length of a step that reaches beyond the interval (0 for none) and how
+# much of it has passed, the current that it is for, the plays and the sensors.
+(DIRECTION, TRIAL_STEP, STIFFNESS, STEP_AHEAD, PASSED, STANDING, EP_PLAY, LAGGED_PRESSURE,
+ LAGGED_POSITION, POSITION_PLAY) = range(10)
+MEMORIES = 10
 
 
 class PositionerParameters(NamedTuple):
@@ -107,10 +108,9 @@ def undrawn_supply(p: PositionerParameters, time: float) -> float:
 
 
 def discrepancy_at(
-    p: PositionerParameters, location: int, time: float, current: float, y, force: float
+    table: Discrepancy, location: int, time: float, current: float, y, force: float
 ) -> float:
     """Return the tabulated term of a component, in that component's unit (see discrepancy)."""
-    table = p.discrepancy
     if table.location != location:
         return 0.0
     value = time
@@ -135,12 +135,12 @@ def booster_force(p: PositionerParameters, time: float, current: float, y) -> fl
     """Return the force that opens the booster's seats, N."""
     outlet = y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
     force = diaphragm_force(p.booster, y[BACK], outlet, y[SUPPLY])
-    return force + discrepancy_at(p, term.BOOSTER, time, current, y, force)
+    return force + discrepancy_at(p.discrepancy, term.BOOSTER, time, current, y, force)
 
 
 def net_stem_force(p: PositionerParameters, time: float, current: float, y) -> float:
     """Return the force on the stem except dry friction, N, positive towards open."""
-    extra = discrepancy_at(p, term.STEM, time, current, y, 0.0)
+    extra = discrepancy_at(p.discrepancy, term.STEM, time, current, y, 0.0)
     return stem_force(p.actuator, y[CHAMBER], y[POSITION], y[VELOCITY], extra)
 
 
@@ -157,7 +157,7 @@ def derivatives(
     chamber = y[CHAMBER]
     gas_temperature = y[TEMPERATURE] if p.actuator.thermal_resistance > 0.0 else ambient
 
-    extra = discrepancy_at(p, term.EP_CONVERTER, time, current, y, 0.0)
+    extra = discrepancy_at(p.discrepancy, term.EP_CONVERTER, time, current, y, 0.0)
     settled = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
     rates[BACK] = back_pressure_rate(p.ep_converter, y[BACK], settled)
 
@@ -182,7 +182,7 @@ def derivatives(
         delivered = tube_flow(p.tubing, outlet, chamber, ambient, gas_temperature)
         rates[OUTLET] = outlet_pressure_rate(p.tubing, into - out, delivered, ambient)
 
-    extra = discrepancy_at(p, term.CHAMBER, time, current, y, force)
+    extra = discrepancy_at(p.discrepancy, term.CHAMBER, time, current, y, force)
     leaked = leak_flow(p.actuator, chamber, gas_temperature, ambient, extra)
     rates[TEMPERATURE] = 0.0
     if p.actuator.thermal_resistance > 0.0:
@@ -206,6 +206,12 @@ def derivatives(
     rates[POSITION] = y[VELOCITY]
     rates[VELOCITY] = stem_acceleration(
         p.actuator, net_stem_force(p, time, current, y), friction)
+
+
+def depends_on_time(p: PositionerParameters) -> bool:
+    """Tell whether the equations change with time though the current stands."""
+    return (p.supply.ripple != 0.0 or p.ep_converter.drift != 0.0
+            or (p.discrepancy.location != term.NONE and p.discrepancy.variable == term.TIME))
 
 
 def sticks(p: PositionerParameters) -> bool:
@@ -303,11 +309,25 @@ def start_memory(p: PositionerParameters, current: float, y, first_step: float, 
     memory[DIRECTION] = 0.0
     memory[TRIAL_STEP] = first_step
     memory[STIFFNESS] = 0.0
+    memory[STEP_AHEAD] = 0.0
+    memory[PASSED] = 0.0
+    memory[STANDING] = math.nan
     memory[EP_PLAY] = start_current(p, current, departure)
     memory[LAGGED_PRESSURE] = y[CHAMBER]
     memory[POSITION_PLAY] = y[POSITION] + (
         0.5 * p.sensors.position_backlash * departure.position_play)
     memory[LAGGED_POSITION] = memory[POSITION_PLAY]
+
+
+def readings(
+    p: PositionerParameters, time: float, seen: float, y, memory, force: float
+) -> tuple[float, float]:
+    """Return what the sensors read: Pa gauge, m; `force` is the booster's, N."""
+    pressure = pressure_reading(p.sensors, memory[LAGGED_PRESSURE])
+    position = position_reading(p.sensors, memory[LAGGED_POSITION])
+    pressure += discrepancy_at(p.discrepancy, term.PRESSURE_SENSOR, time, seen, y, force)
+    position += discrepancy_at(p.discrepancy, term.POSITION_SENSOR, time, seen, y, force)
+    return pressure, position
 
 
 def observe(
@@ -329,10 +349,7 @@ def observe(
     flow = intake_flow(
         p.booster, opened_in, y[SUPPLY], outlet, ambient, outlet_temperature
     ) - exhaust_flow(p.booster, opened_out, outlet, outlet_temperature, ambient)
-    pressure = pressure_reading(p.sensors, memory[LAGGED_PRESSURE])
-    position = position_reading(p.sensors, memory[LAGGED_POSITION])
-    pressure += discrepancy_at(p, term.PRESSURE_SENSOR, time, seen, y, force)
-    position += discrepancy_at(p, term.POSITION_SENSOR, time, seen, y, force)
+    pressure, position = readings(p, time, seen, y, memory, force)
     return Outputs(
         time, current, y[BACK], y[SUPPLY], force, opened_in, opened_out, flow, outlet, chamber,
         y[TEMPERATURE], y[POSITION], y[VELOCITY], pressure, position)

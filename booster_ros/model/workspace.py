@@ -14,9 +14,11 @@ class Workspace(NamedTuple):
     """
     Scratch memory of the solver: lists of floats, or float arrays where compiled.
 
-    `rates` are the derivatives at the start of a step, `trial` is the state at its end.
+    `start` is the state at the start of a step that reaches beyond its interval, `rates` are the
+    derivatives at the start of a step, `trial` is the state at its end.
     """
 
+    start: list[float]
     rates: list[float]
     stage_rates: list[float]
     trial: list[float]
@@ -31,4 +33,4 @@ class Workspace(NamedTuple):
 
 def new_workspace() -> Workspace:
     """Return scratch memory for plain Python."""
-    return Workspace(*([0.0] * STATES for _ in range(7)), *([0.0] * STATES**2 for _ in range(3)))
+    return Workspace(*([0.0] * STATES for _ in range(8)), *([0.0] * STATES**2 for _ in range(3)))

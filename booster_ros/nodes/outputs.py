@@ -11,6 +11,7 @@ from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Float64, Header
 
 from ..model.gas import ATMOSPHERE
+from ..model.simulation import Plant
 from ..model.system import OUTPUT_UNITS, Outputs
 from .tick_clock import NANOSECONDS
 
@@ -60,13 +61,14 @@ class OutputPublishers:
             level=DiagnosticStatus.OK, name='state', values=self._values,
             message=', '.join(f'{name} {unit}' for name, unit in OUTPUT_UNITS.items()))
 
-    def publish(self, outputs: Outputs, nanoseconds: int) -> None:
+    def publish(self, plant: Plant, nanoseconds: int) -> None:
         """Publish the outputs of the tick that lies at this time of the node's clock."""
-        self._pressure.publish(Float64(data=outputs.measured_chamber_pressure))
-        self._position.publish(Float64(data=outputs.measured_valve_position))
+        pressure, position = plant.readings()
+        self._pressure.publish(Float64(data=pressure))
+        self._position.publish(Float64(data=position))
         for publisher, message in self._heard_only:
             if publisher.get_subscription_count():
-                publisher.publish(message(outputs, self._header(nanoseconds)))
+                publisher.publish(message(plant.outputs(), self._header(nanoseconds)))
 
     def _header(self, nanoseconds: int) -> Header:
         return Header(stamp=stamp_message(nanoseconds), frame_id=self._frame)

@@ -167,7 +167,7 @@ class Positioner(Node):
             self._on_stale_change()
         moment = self._ticks.next_due
         self._plant.advance(current, self._ticks.run_tick())
-        self._outputs.publish(self._plant.outputs(), moment + stamp_offset)
+        self._outputs.publish(self._plant, moment + stamp_offset)
 
     # Commands
 
@@ -222,7 +222,7 @@ class Positioner(Node):
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._put_into_initial_state()
         last_tick = self._ticks.next_due - self._ticks.period
-        self._outputs.publish(self._plant.outputs(), last_tick + self._time.stamp_offset())
+        self._outputs.publish(self._plant, last_tick + self._time.stamp_offset())
         self._report()
         state = self._settings.initial_state
         response.success = True

@@ -53,7 +53,7 @@ def run(
     except rclpy_implementation.RCLError as error:
         return _complain(name, _without_source_places(str(error)))
     startup.over = True
-    executor = SingleThreadedExecutor()
+    executor = SingleThreadedExecutor()  # docs/decisions.md says why not EventsExecutor
     try:
         executor.add_node(make_node())
         executor.spin()

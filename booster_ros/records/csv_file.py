@@ -10,6 +10,7 @@ from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
+from booster_ros.records.csv_digits import fixed_lines
 from booster_ros.records.csv_header import Header, read_header
 from booster_ros.records.csv_text import line_blocks, parse_block
 from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
@@ -117,9 +118,9 @@ def _check_time(chunk: Chunk, header: Header, last_time: float, source: str) -> 
     return float(time[-1])
 
 
-def _cell_format(column: str) -> str:
-    """Return fixed decimals for known columns: twice as fast to write as significant digits."""
-    return f'%.{_DECIMALS[COLUMNS[column].unit]}f' if column in COLUMNS else '%.9g'
+def _decimals(column: str) -> int | None:
+    """Return the decimals of a known column; others are written with significant digits."""
+    return _DECIMALS[COLUMNS[column].unit] if column in COLUMNS else None
 
 
 class CsvWriter:
@@ -133,17 +134,26 @@ class CsvWriter:
     def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
         self._path = Path(path)
         self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
-        self._row = ','.join(_cell_format(name) for name in columns) + '\n'
+        decimals = [_decimals(name) for name in columns]
+        self._decimals = [places for places in decimals if places is not None]
+        self._row = ','.join(
+            '%.9g' if places is None else f'%.{places}f' for places in decimals) + '\n'
         try:
-            self._file = self._partial.open('w', encoding='ascii', newline='\n')
-            self._file.write(','.join(columns) + '\n')
+            self._file = self._partial.open('wb')
+            self._file.write((','.join(columns) + '\n').encode('ascii'))
         except OSError as error:
             raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
 
     def write_rows(self, values: Array) -> None:
         """Append rows x columns of values, NaN where one is missing."""
+        table = np.asarray(values, dtype=float)
+        lines = None
+        if len(self._decimals) == table.shape[1]:
+            lines = fixed_lines(table, self._decimals)
+        if lines is None:
+            lines = (self._row * len(table) % tuple(table.ravel().tolist())).encode('ascii')
         try:
-            self._file.write(self._row * len(values) % tuple(np.asarray(values).ravel().tolist()))
+            self._file.write(lines)
         except OSError as error:
             raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
 
