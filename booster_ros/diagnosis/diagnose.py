@@ -17,6 +17,7 @@ from booster_ros.diagnosis.applicable import applicable, matters
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
+from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
@@ -114,6 +115,9 @@ def _forward(search: Search, tell: Progress) -> _Tried:
         parent = ranked[0]
     chosen = _exchanged(search, chosen, everything, tell)
     chosen = _backward(search, chosen, everything)
+    tell('comparing those nearest to each other', 0.78)
+    chosen, *rivals = rematch(search, chosen, everything)
+    everything += rivals
     reasons = {c.effects: _reason(c, chosen) for c in everything}
     reasons[chosen.effects] = 'chosen'
     reasons[()] = 'the declared model, refitted'
@@ -220,7 +224,7 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     best = min(candidates.values(), key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
         return best
-    together = [search.on_both(candidate) for candidate in candidates.values()]
+    together = [search.on_both(candidate, search.thinning) for candidate in candidates.values()]
     return min(together, key=lambda c: c.fit.cost)
 
 

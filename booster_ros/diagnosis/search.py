@@ -18,7 +18,7 @@ named effects. Numbered as carried out:
    what noise does not explain; where the stem sticks, what lies above it is sought with the stem
    driven as measured (see cascade);
 6. try every other effect in the place of each of several, then leave each out again;
-7. of models whose scores are not told apart, the one with the fewest sizes is taken.
+7. models near the choice are fitted to every row and compared once more (see rematch).
 """
 
 from collections.abc import Callable
@@ -80,8 +80,8 @@ NEGLIGIBLE = 2e-3
 TOO_SIMILAR = 0.05
 """Models whose scores differ by less than this share are not told apart by a record."""
 
-LIKELY = 6.0
-"""Of equally plain models not told apart, those whose score is higher by this are unlikely."""
+UNLIKELY = 9.0
+"""A model that costs so much more than another, fitted to all the same rows, is unlikely."""
 
 THINNING = 8
 """Fits use every eighth row, and all rows where the drive jumps."""
@@ -225,11 +225,11 @@ class Search:
         return self.rate(rest, problem, problem.fit(
             self.carried(problem, chosen), evaluations=EVALUATIONS))
 
-    def on_both(self, candidate: Candidate) -> Candidate:
-        """Return the model fitted to the fit and select segments, thinned as they were."""
-        problem = self.on(candidate.problem, ('fit', 'select'), self.thinning)
-        return self.rate(candidate.effects, problem, problem.fit(
-            candidate.fit.z, evaluations=EVALUATIONS))
+    def on_both(self, candidate: Candidate, factor: int) -> Candidate:
+        """Return the model fitted to the fit and select segments, every `factor`-th row."""
+        problem = self.on(candidate.problem, ('fit', 'select'), factor)
+        begun = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+        return self.rate(candidate.effects, problem, _polished(problem, begun))
 
     def extend(self, parent: Candidate, tick: Callable[[], None],
                leave_out: tuple[str, ...] = (), worth: float = np.inf) -> list[Candidate]:
@@ -356,21 +356,26 @@ def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
     """
     Return the candidates by score; of those not told apart from the best, the plainest first.
 
-    Plainest: fewest sizes, then those that the data do not make unlikely beside the best, then the
-    order of the catalogue, which lists common causes first. Those with a fault come last.
+    Those with a fault come last.
     """
     ranked = sorted(candidates, key=lambda c: (bool(c.fault), c.score))
     if not ranked:
         return ranked
     ties = [c for c in ranked if c.fault == ranked[0].fault and not told_apart(c, ranked[0])]
-    order = list(EFFECTS)
-
-    def plainness(c: Candidate) -> tuple[int, bool, int]:
-        likely = c.score - ranked[0].score < LIKELY
-        return _sizes_shown(c), not likely, sum(order.index(e) for e in c.effects)
-
-    ties.sort(key=plainness)
+    ties.sort(key=lambda c: plainness(c, 0.0))
     return ties + [c for c in ranked if c not in ties]
+
+
+def plainness(candidate: Candidate, behind: float) -> tuple[bool, int, int]:
+    """
+    Return what models that a record does not tell apart are ranked by, the plainest first.
+
+    Those that the data make unlikely, `behind` the best by too much cost, come last; then fewest
+    sizes; then the order of the catalogue, which lists common causes first.
+    """
+    order = list(EFFECTS)
+    return (behind > UNLIKELY, _sizes_shown(candidate),
+            sum(order.index(e) for e in candidate.effects))
 
 
 def _sizes_shown(candidate: Candidate) -> int:
