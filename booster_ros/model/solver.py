@@ -31,6 +31,9 @@ from .workspace import Workspace, new_workspace
 FINEST_DIVISION = 4000.0
 """Steps are not made shorter than the interval by this, whatever the error estimate says."""
 
+AHEAD_SHARE = 0.1
+"""Share of the tolerance for a step over several rows: it is seen at all of them."""
+
 SHORTEST_EVENT = 1e-7
 """A step to where sticking or sliding ends is at least this long, s: time must pass."""
 
@@ -166,17 +169,19 @@ def advance(
             fill_jacobian(p, time, current, direction, y, active, moving, w)
         tried = step
         error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
-        while not error <= tolerance and step > smallest:
-            step = max(step * min(_step_factor(error / tolerance, explicit), 0.7), smallest)
+        allowed = tolerance * AHEAD_SHARE if step > left else tolerance
+        while not error <= allowed and step > smallest:
+            step = max(step * min(_step_factor(error / allowed, explicit), 0.7), smallest)
             error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
+            allowed = tolerance * AHEAD_SHARE if step > left else tolerance
         if math.isnan(error):
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
             return
         if step > left and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
-            step = left  # a step ahead does not end a slide
+            step, allowed = left, tolerance  # a step ahead does not end a slide
             error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
         whole = step == tried
-        proposal = step * _step_factor(error / tolerance, explicit)
+        proposal = step * _step_factor(error / allowed, explicit)
         if explicit and contraction(active, moving, w) > STIFF:
             memory[STIFFNESS] += 1.0
 
