@@ -183,6 +183,10 @@ def sliding_friction(act: Actuator, position: float, velocity: float) -> float:
     return level + act.stiction * math.exp(-v * v)
 
 
+LEAST_SHARE = 0.02
+"""Friction of bristles is at least this share of what it is where it is largest."""
+
+
 def is_rigid(act: Actuator) -> bool:
     """Tell whether a stem that sticks does not yield at all."""
     return act.presliding_stiffness <= 0.0
@@ -194,8 +198,11 @@ def presliding_force_rate(act: Actuator, force: float, position: float, velocity
 
     LuGre model, C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419, eq. 2, with
     the force in place of the deflection: it grows with the stem's way and saturates at sliding.
+    Where a bent stem rubs less and less, a share of the largest friction stays: bristles that hold
+    nothing have no law.
     """
-    sliding = max(sliding_friction(act, position, velocity), 1e-3)
+    least = LEAST_SHARE * (act.coulomb_friction + abs(act.friction_gradient) + act.stiction)
+    sliding = max(sliding_friction(act, position, velocity), least)
     return act.presliding_stiffness * (velocity - abs(velocity) * force / sliding)
 
 

@@ -34,6 +34,9 @@ FINEST_DIVISION = 4000.0
 AHEAD_SHARE = 0.1
 """Share of the tolerance for a step over several rows: it is seen at all of them."""
 
+LOST = 1e6
+"""An error beyond the tolerance by this, at the shortest step, is no step at all."""
+
 SHORTEST_EVENT = 1e-7
 """A step to where sticking or sliding ends is at least this long, s: time must pass."""
 
@@ -174,7 +177,7 @@ def advance(
             step = max(step * min(_step_factor(error / allowed, explicit), 0.7), smallest)
             error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
             allowed = tolerance * AHEAD_SHARE if step > left else tolerance
-        if math.isnan(error):
+        if math.isnan(error) or (step <= smallest and error > LOST * tolerance):
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
             return
         if step > left and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
@@ -200,7 +203,7 @@ def advance(
 
         # a step cut short by an event or by the end of the interval says nothing against long ones
         cut = whole and step < memory[TRIAL_STEP]
-        memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP]) if cut else proposal
+        memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP] if cut else smallest)
         if step > left:
             begin_ahead(p, time, current, direction, y, memory, step, moving < count, w)
             continue
