@@ -6,8 +6,8 @@ from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.applicable import applicable
-from booster_ros.diagnosis.fit import put
+from booster_ros.diagnosis.applicable import applicable, matters
+from booster_ros.diagnosis.fit import declared_freedom, put
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.model.catalogue import EFFECTS
 
@@ -93,3 +93,19 @@ def test_a_bench_shows_the_booster():
 def test_an_isolated_chamber_shows_itself():
     assert names('isolated') == located('chamber', 'stem') | {
         'pressure_sensor_lag', 'pressure_sensor_bias'}
+
+
+@pytest.mark.parametrize('kind', RECORDS)
+def test_parameters_that_are_not_turned_change_nothing(kind):
+    experiment = prepare(record_of(RECORDS[kind]), DECLARED)
+    before = experiment.predict(DECLARED)
+    turned = set()
+    for free in declared_freedom(DECLARED, experiment):
+        name = free.knob.parameter
+        other = experiment.predict(put(DECLARED, name, free.value(0.5), free.element))
+        if not matters(name, experiment):
+            for channel, values in before.items():
+                assert np.array_equal(values, other[channel]), name
+        elif any(not np.array_equal(before[c], other[c], equal_nan=True) for c in before):
+            turned.add(name)
+    assert turned

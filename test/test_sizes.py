@@ -1,0 +1,178 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which fitted effects stand: sizes told from none and clear of their bounds, and close rivals."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+from made_diagnosis import DECLARED, record_of
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, effect_freedom, put
+from booster_ros.diagnosis.intervals import block_bootstrap, own_sizes, undetermined
+from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.rematch import rematch
+from booster_ros.diagnosis.screening import with_effect
+from booster_ros.diagnosis.search import Candidate
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import Departure, PositionerParameters
+
+P = PositionerParameters()
+TIME = np.arange(0.0, 40.0, 0.02)
+CURRENT = 4.1e-4 + 4e-5 * np.sign(np.sin(TIME))
+
+
+def fitted(leak, effect, seed=3):
+    """Return problem, draws and fit of an effect to a noisy record of a plant with a leak."""
+    plant = put(P, 'actuator.leak_area', leak)
+    run = simulate(plant, TIME, CURRENT, {'chamber_pressure': 2e5})
+    noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+    rng = np.random.default_rng(seed)
+    measured = {name: run[f'measured_{name}'] + level * rng.standard_normal(len(TIME))
+                for name, level in noise.items()}
+    experiment = Experiment(TIME, CURRENT, measured, noise, {}, Initial(2e5))
+    problem = with_effect(Problem(experiment, np.ones(len(TIME), dtype=bool), P, ()),
+                          EFFECTS[effect])
+    start = problem.start()
+    start[0] = 0.3
+    fit = problem.fit(start)
+    return problem, block_bootstrap(problem, fit, (TIME // 3.1416).astype(int)), fit
+
+
+def test_a_leak_that_is_there_stands():
+    problem, draws, fit = fitted(3e-8, 'chamber_leak')
+    assert fit.parameters.actuator.leak_area == pytest.approx(3e-8, rel=0.05)
+    assert undetermined(problem, draws, fit, 'chamber_leak') == ''
+
+
+def test_a_leak_that_is_not_there_does_not():
+    problem, draws, fit = fitted(0.0, 'chamber_leak')
+    assert undetermined(problem, draws, fit, 'chamber_leak') == 'its size is not told from none'
+
+
+def made_fit(effect, z, draws, columns=None):
+    """Return a problem with one effect and a fit that stands at z, with these draws."""
+    free = tuple(effect_freedom(EFFECTS[effect]))
+    experiment = Experiment(TIME, CURRENT, {'chamber_pressure': np.zeros_like(TIME)},
+                            {'chamber_pressure': 1.0}, {}, Initial(0.0))
+    problem = Problem(experiment, np.ones(len(TIME), dtype=bool), P, free)
+    z = np.append(z, np.zeros(problem.nuisances))
+    jacobian = np.ones((len(TIME), len(z))) if columns is None else columns
+    draws = np.hstack([draws, np.zeros((len(draws), problem.nuisances))])
+    return problem, draws, Fit(free, z, P, Initial(0.0), 0.0, jacobian)
+
+
+RNG = np.random.default_rng(5)
+
+
+def test_an_effect_at_its_bound_imitates_something_else():
+    bound = EFFECTS['dead_time'].knobs[0].high / EFFECTS['dead_time'].knobs[0].typical
+    for z, expected in ((bound, 'ep_converter.dead_time runs into its bound'), (0.5 * bound, '')):
+        problem, draws, fit = made_fit(
+            'dead_time', [z], z + 0.1 * RNG.standard_normal((400, 1)))
+        assert undetermined(problem, draws, fit, 'dead_time') == expected
+
+
+def test_two_sizes_of_which_only_the_sum_is_known_stand_together():
+    share = 3.0 * RNG.standard_normal((400, 1))
+    blur = 0.05 * RNG.standard_normal((400, 2))
+    draws = np.hstack([0.5 + share, 0.5 - share]) + blur
+    problem, draws, fit = made_fit('booster_dead_band', [0.5, 0.5], draws)
+    assert np.quantile(draws[:, 0], 0.1) < 0.0 < np.quantile(draws[:, 0], 0.9)
+    assert undetermined(problem, draws, fit, 'booster_dead_band') == ''
+
+
+def test_a_size_that_moves_nothing_is_not_told_from_none():
+    still = np.zeros((len(TIME), 6))
+    problem, draws, fit = made_fit(
+        'dead_time', [1.0], 1.0 + 0.01 * RNG.standard_normal((400, 1)), still)
+    assert undetermined(problem, draws, fit, 'dead_time') == 'its size is not told from none'
+
+
+def test_what_an_effect_shares_with_a_plainer_one_is_not_its_own():
+    assert own_sizes('position_dependent_friction') == {'actuator.friction_gradient'}
+    assert own_sizes('stem_friction') == {'actuator.coulomb_friction', 'actuator.stiction'}
+
+
+def candidate(effect, score, sizes=1):
+    problem, _, fit = made_fit(effect, [1.0] * len(effect_freedom(EFFECTS[effect])),
+                               np.zeros((2, len(effect_freedom(EFFECTS[effect])))))
+    fit = replace(fit, cost=score)
+    return Candidate((effect,), problem, fit, np.array([score]), 0.0, 1000)
+
+
+@pytest.mark.parametrize(('costs', 'winner'), [
+    ((1000.0, 995.0), 'chamber_leak'),  # hardly apart: the commoner cause
+    ((1000.0, 950.0), 'exhaust_seat_leak'),
+    ((950.0, 1000.0), 'chamber_leak')])
+def test_close_rivals_meet_again_on_every_row(costs, winner):
+    chosen, rival = candidate('chamber_leak', 1010.0), candidate('exhaust_seat_leak', 1020.0)
+    far, broken = candidate('dead_time', 5000.0), replace(
+        candidate('supply_seat_leak', 1.0), fault='at its bound')
+    whole = {'chamber_leak': costs[0], 'exhaust_seat_leak': costs[1]}
+    asked = []
+
+    def on_both(one, factor):
+        asked.append((one.effects[0], factor))
+        return replace(one, fit=replace(one.fit, cost=whole[one.effects[0]]))
+
+    ranked = rematch(SimpleNamespace(on_both=on_both), chosen, [chosen, rival, far, broken])
+    assert asked == [('chamber_leak', 1), ('exhaust_seat_leak', 1)]
+    assert ranked[0].effects == (winner,)
+
+
+def bench(gain, preload):
+    """Return a flow bench's experiment: flow over back pressure at two supply pressures."""
+    back = np.tile(np.linspace(60e3, 125e3, 27), 2)
+    columns = {'back_pressure': back, 'supply_pressure': np.repeat([150e3, 200e3], 27),
+               'chamber_pressure': np.zeros(54), 'mass_flow': np.linspace(0.0, 1e-3, 54)}
+    experiment = prepare(record_of(columns), DECLARED)
+    plant = put(put(DECLARED, 'booster.opening_gain', gain), 'booster.intake_preload', preload)
+    flow = experiment.predict(plant)['mass_flow']
+    return replace(experiment, measured={'mass_flow': flow}, noise={'mass_flow': 1e-6})
+
+
+def test_a_flow_bench_finds_a_gain_far_from_the_declared_one():
+    experiment = bench(7e-6, 0.37)
+    assert experiment.is_flow_bench
+    free = tuple(f for f in declared_freedom(DECLARED, experiment)
+                 if f.knob.parameter.startswith('booster.'))
+    problem = with_effect(
+        Problem(experiment, np.ones(54, dtype=bool), DECLARED, free), EFFECTS['booster_dead_band'])
+    fit = problem.fit(evaluations=60)
+    assert fit.parameters.booster.opening_gain == pytest.approx(7e-6, rel=0.02)
+    assert fit.parameters.booster.intake_preload == pytest.approx(0.37, rel=0.02)
+
+
+def test_warm_air_in_a_shut_chamber_loses_pressure_until_it_is_as_cold_as_its_wall():
+    shut = put(put(P, 'booster.opening_gain', 0.0), 'actuator.thermal_resistance', 1.0)
+    time = np.arange(0.0, 60.0, 0.1)
+    still = np.zeros_like(time)
+    given = {'chamber_pressure': 1e5}
+
+    def pressure(parameters, warmth):
+        return simulate(parameters, time, still, given,
+                        departure=Departure(temperature=warmth))['chamber_pressure']
+
+    warm = pressure(shut, 20.0)
+    absolute = 101325.0 + warm
+    ambient = shut.supply.temperature
+    assert absolute[-1] / absolute[0] == pytest.approx(ambient / (ambient + 20.0), rel=1e-3)
+    assert np.ptp(pressure(shut, 0.0)) < 1.0
+    assert np.ptp(pressure(put(shut, 'actuator.thermal_resistance', 0.0), 20.0)) < 1.0
+
+
+def test_a_stem_whose_friction_fades_along_the_travel_keeps_moving_sensibly():
+    act = P.actuator._replace(coulomb_friction=18.3, friction_gradient=-25.4,
+                              presliding_stiffness=2.76e6, viscous_friction=150.0)
+    time = np.arange(0.0, 20.0, 0.08)
+    current = np.where(np.sin(time) > 0.0, 4.7e-4, 4.0e-4)
+    run = simulate(P._replace(actuator=act), time, current,
+                   {'chamber_pressure': 2.76e5, 'valve_position': 0.01347})
+    position = run['valve_position']
+    assert np.all(np.isfinite(position))
+    assert -1e-4 < position.min() < position.max() < P.actuator.travel + 1e-4
+    assert np.ptp(position) > 0.002
