@@ -118,6 +118,7 @@ def _forward(search: Search, tell: Progress) -> _Tried:
     tell('comparing those nearest to each other', 0.78)
     chosen, *rivals = rematch(search, chosen, everything)
     everything += rivals
+    chosen = _pruned(search, chosen, everything)
     reasons = {c.effects: _reason(c, chosen) for c in everything}
     reasons[chosen.effects] = 'chosen'
     reasons[()] = 'the declared model, refitted'
@@ -176,12 +177,23 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) ->
     """Leave out every effect that the others do not need."""
     if len(chosen.effects) < 2:
         return chosen
-    for name in chosen.effects[:-1]:
+    for name in chosen.effects:
         rest = tuple(e for e in chosen.effects if e != name)
         smaller = search.without(chosen, rest)
         everything.append(smaller)
         if search.fault(chosen.problem, chosen.fit, name) or not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything)
+    return chosen
+
+
+def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
+    """Leave out every effect that the last and fullest fit does not tell from none."""
+    for name in chosen.effects:
+        if search.fault(chosen.problem, chosen.fit, name):
+            rest = tuple(e for e in chosen.effects if e != name)
+            smaller = search.on_both(search.without(chosen, rest), 1)
+            everything.append(smaller)
+            return _pruned(search, smaller, everything)
     return chosen
 
 

@@ -222,8 +222,8 @@ class Search:
     def without(self, chosen: Candidate, rest: tuple[str, ...]) -> Candidate:
         """Return the model with these of the chosen effects only, fitted from what they were."""
         problem = self.joint(self.problem(), rest)
-        return self.rate(rest, problem, problem.fit(
-            self.carried(problem, chosen), evaluations=EVALUATIONS))
+        begun = problem.fit(self.carried(problem, chosen), evaluations=EVALUATIONS)
+        return self.rate(rest, problem, _polished(problem, begun))
 
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""
