@@ -156,11 +156,10 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     Try every other effect in the place of each of several.
 
     The first was chosen while the others were missing and may have imitated them; what does as
-    well in its place is told apart from it here, or reported beside it.
+    well in its place is told apart from it here, or reported beside it. In the place of the last
+    all others have been tried already.
     """
-    if len(chosen.effects) < 2:
-        return chosen
-    for k, name in enumerate(chosen.effects):
+    for k, name in enumerate(chosen.effects[:-1]):
         rest = tuple(e for e in chosen.effects if e != name)
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
         parent = search.without(chosen, rest)
