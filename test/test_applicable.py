@@ -48,10 +48,10 @@ def experiment(request):
 
 
 def test_an_effect_that_is_left_out_would_have_changed_nothing(experiment):
-    cut_off = set(EFFECTS) - set(applicable(experiment))
+    cut_off = set(EFFECTS) - set(applicable(experiment, DECLARED))
     if experiment.quasi_static or not experiment.drives:
         # cut off for what they mean (no clock, an isolated chamber), not because nothing happens
-        kept_upstream = {name for name in applicable(experiment)
+        kept_upstream = {name for name in applicable(experiment, DECLARED)
                          if EFFECTS[name].location == 'ep_converter'}
         assert not kept_upstream
         return
@@ -67,7 +67,7 @@ def test_an_effect_that_is_left_out_would_have_changed_nothing(experiment):
 
 
 def names(key):
-    return set(applicable(prepare(record_of(RECORDS[key]), DECLARED)))
+    return set(applicable(prepare(record_of(RECORDS[key]), DECLARED), DECLARED))
 
 
 def located(*locations):
@@ -93,6 +93,14 @@ def test_a_bench_shows_the_booster():
 def test_an_isolated_chamber_shows_itself():
     assert names('isolated') == located('chamber', 'stem') | {
         'pressure_sensor_lag', 'pressure_sensor_bias'}
+
+
+def test_a_stem_far_below_its_bench_set_shows_nothing_unless_it_is_seen():
+    shut = DECLARED._replace(actuator=DECLARED.actuator._replace(bench_set=(9e5, 1e6)))
+    isolated = prepare(record_of(RECORDS['isolated']), DECLARED)
+    assert not {n for n in applicable(isolated, shut) if EFFECTS[n].location == 'stem'}
+    seen = prepare(record_of(RECORDS['commanded']), DECLARED)
+    assert set(applicable(seen, shut)) == set(EFFECTS)
 
 
 @pytest.mark.parametrize('kind', RECORDS)

@@ -8,19 +8,36 @@ recorded has no error, and a sweep without a clock knows no delays. Trying those
 costs time and invites coincidences: in a sweep a lag looks like friction.
 """
 
+import numpy as np
+
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.model.catalogue import EFFECTS, Effect
+from booster_ros.model.system import PositionerParameters
 
 _NEED_A_CLOCK = {'dead_time', 'ep_drift', 'supply_ripple', 'heat_transfer', 'position_sensor_lag',
                  'pressure_sensor_lag'}
+
+NEAR_BENCH_SET = 0.25
+"""Share of the bench set's range below it from which on a shifted spring might let the stem go."""
 
 _SENSED = {'position': 'valve_position', 'pressure': 'chamber_pressure'}
 """The channel that an effect of a sensor shows in, by the first word of its name."""
 
 
-def applicable(experiment: Experiment) -> tuple[str, ...]:
+def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[str, ...]:
     """Return the names of the effects that can change what is compared in this experiment."""
-    return tuple(name for name, effect in EFFECTS.items() if _shows(effect, experiment))
+    resting = _stem_rests(experiment, declared)
+    return tuple(name for name, effect in EFFECTS.items()
+                 if _shows(effect, experiment) and not (resting and effect.location == 'stem'))
+
+
+def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
+    """Tell whether the stem was not seen and the pressure seen never comes near its bench set."""
+    pressure = experiment.measured.get('chamber_pressure')
+    if pressure is None or 'valve_position' in experiment.measured:
+        return False
+    low, high = declared.actuator.bench_set
+    return float(np.nanmax(pressure)) < low - NEAR_BENCH_SET * (high - low)
 
 
 def _shows(effect: Effect, experiment: Experiment) -> bool:

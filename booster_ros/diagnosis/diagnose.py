@@ -86,7 +86,7 @@ def diagnose(
         experiment.time, drive)
     freedoms = tuple(free for free in declared_freedom(declared, experiment)
                      if matters(free.knob.parameter, experiment))
-    search = Search(experiment, segments, declared, freedoms, applicable(experiment))
+    search = Search(experiment, segments, declared, freedoms, applicable(experiment, declared))
     tell('refitting the declared parameters', 0.02)
     tried = _forward(search, tell)
     tell('looking for a discrepancy without a name', 0.8)
