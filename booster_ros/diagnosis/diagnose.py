@@ -14,6 +14,7 @@ import itertools
 import numpy as np
 
 from booster_ros.diagnosis.applicable import applicable, matters
+from booster_ros.diagnosis.cascade import shows_above_the_stem
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
@@ -164,12 +165,20 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
         parent = search.without(chosen, rest)
         others = search.extend(
-            parent, lambda: None, (name,), worth=ALIKE * chosen.fit.cost)
+            parent, lambda: None, (name, *_slow_beside(parent, search.names)),
+            worth=ALIKE * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]
         if best is not chosen:
             return best
     return chosen
+
+
+def _slow_beside(parent: Candidate, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the effects that take minutes to try beside a parent's: of a stem that sticks."""
+    if not has_dry_friction(parent.fit.parameters.actuator):
+        return ()
+    return tuple(name for name in names if not shows_above_the_stem(name))
 
 
 def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
