@@ -23,7 +23,7 @@ from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
     EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate,
-    Search, clearly_better, gain, preferred_first, told_apart)
+    Search, clearly_better, gain, polished, preferred_first, told_apart)
 from booster_ros.diagnosis.segments import (
     rows_of, segment_of_row, split, split_sweep)
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, moved, terms
@@ -302,8 +302,10 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
     """
     problem = search.on(candidate.problem, USED, 1)
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+    if not has_dry_friction(fit.parameters.actuator):
+        fit = polished(problem, fit)
     if not candidate.effects or fit.cost < NEAR_NOISE * problem.rows_counted():
-        return problem, fit
+        return problem, problem.without_unseen(fit)
     fresh = fit.z.copy()
     fresh[:len(search.freedoms)] = 0.0
     fresh[len(problem.freedoms):] = 0.0
@@ -311,7 +313,7 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
         if free.knob.shape:
             fresh[j] = free.without_size
     again = problem.fit(fresh, evaluations=EVALUATIONS)
-    return problem, min(fit, again, key=lambda found: found.cost)
+    return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
 
 
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array
