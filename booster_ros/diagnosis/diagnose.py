@@ -133,8 +133,14 @@ def _patience(chosen: Candidate) -> int:
 
 
 def _explained(chosen: Candidate, refit: Candidate) -> bool:
-    """Tell whether what is left is noise, or too little beside what the effects explain."""
-    if chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE:
+    """
+    Tell whether what is left is noise, or too little beside what the effects explain.
+
+    Where nothing has been added yet, noise must be all that is left of the fit segments as well: an
+    effect may show in few segments only.
+    """
+    fitted = chosen.fit.cost < NEAR_NOISE * chosen.problem.rows_counted()
+    if chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (chosen.effects or fitted):
         return True
     return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
 

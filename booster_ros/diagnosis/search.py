@@ -48,11 +48,11 @@ EVALUATIONS = 10
 """Steps of one fit."""
 
 MOST_EFFECTS = 3
-PROMISING = 6
+PROMISING = 9
 FIRST_EVALUATIONS = 4
 """Effects per round that are fitted for so many steps from each of their starts."""
 
-FINALISTS = 6
+FINALISTS = 8
 HOPELESS = 6.0
 """Fits per round that are carried to their end, unless they cost so much more than the best."""
 
