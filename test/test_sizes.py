@@ -11,7 +11,7 @@ import pytest
 
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, effect_freedom, put
-from booster_ros.diagnosis.intervals import block_bootstrap, own_sizes, undetermined
+from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_sizes, undetermined
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.screening import with_effect
@@ -176,3 +176,31 @@ def test_a_stem_whose_friction_fades_along_the_travel_keeps_moving_sensibly():
     assert np.all(np.isfinite(position))
     assert -1e-4 < position.min() < position.max() < P.actuator.travel + 1e-4
     assert np.ptp(position) > 0.002
+
+
+def test_the_interval_of_a_stiffness_that_may_be_rigid_holds_its_value():
+    knob = next(k for k in EFFECTS['stem_friction'].knobs if k.inverse)
+    softness = 1.0 / knob.typical  # z is softness in those of the typical stiffness
+    z = (1.0 / 3.6e6) / softness
+    free = effect_freedom(EFFECTS['stem_friction'])
+    index = next(j for j, f in enumerate(free) if f.knob is knob)
+    draws = np.zeros((400, len(free)))
+    draws[:, index] = z + 2.0 * z * RNG.standard_normal(400)
+    where = np.zeros(len(free))
+    where[index] = z
+    problem, draws, fit = made_fit('stem_friction', where, draws)
+    value, low, high = interval_of(problem, draws, fit, index)
+    assert value == pytest.approx(3.6e6)
+    assert knob.low <= low < 1.5e6
+    assert high == knob.high
+
+
+def test_a_size_that_no_row_shows_goes_back_to_neutral():
+    experiment = bench(7e-6, 0.37)
+    problem = with_effect(
+        Problem(experiment, np.ones(54, dtype=bool), DECLARED, ()), EFFECTS['booster_dead_band'])
+    fit = problem.at(np.array([10.0, 4.0]))
+    booster = problem.without_unseen(fit).parameters.booster
+    assert fit.parameters.booster.exhaust_preload > 0.0  # a bench never exhausts
+    assert booster.exhaust_preload == 0.0
+    assert booster.intake_preload == fit.parameters.booster.intake_preload > 0.0

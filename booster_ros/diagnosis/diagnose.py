@@ -14,6 +14,7 @@ import itertools
 import numpy as np
 
 from booster_ros.diagnosis.applicable import applicable, matters
+from booster_ros.diagnosis.cascade import shows_above_the_stem
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
@@ -22,7 +23,7 @@ from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
     EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate,
-    Search, clearly_better, gain, preferred_first, told_apart)
+    Search, clearly_better, gain, polished, preferred_first, told_apart)
 from booster_ros.diagnosis.segments import (
     rows_of, segment_of_row, split, split_sweep)
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, moved, terms
@@ -164,12 +165,20 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
         parent = search.without(chosen, rest)
         others = search.extend(
-            parent, lambda: None, (name,), worth=ALIKE * chosen.fit.cost)
+            parent, lambda: None, (name, *_slow_beside(parent, search.names)),
+            worth=ALIKE * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]
         if best is not chosen:
             return best
     return chosen
+
+
+def _slow_beside(parent: Candidate, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the effects that take minutes to try beside a parent's: of a stem that sticks."""
+    if not has_dry_friction(parent.fit.parameters.actuator):
+        return ()
+    return tuple(name for name in names if not shows_above_the_stem(name))
 
 
 def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
@@ -293,8 +302,10 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
     """
     problem = search.on(candidate.problem, USED, 1)
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+    if not has_dry_friction(fit.parameters.actuator):
+        fit = polished(problem, fit)
     if not candidate.effects or fit.cost < NEAR_NOISE * problem.rows_counted():
-        return problem, fit
+        return problem, problem.without_unseen(fit)
     fresh = fit.z.copy()
     fresh[:len(search.freedoms)] = 0.0
     fresh[len(problem.freedoms):] = 0.0
@@ -302,7 +313,7 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
         if free.knob.shape:
             fresh[j] = free.without_size
     again = problem.fit(fresh, evaluations=EVALUATIONS)
-    return problem, min(fit, again, key=lambda found: found.cost)
+    return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
 
 
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array

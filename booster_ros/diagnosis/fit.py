@@ -285,6 +285,16 @@ class Problem:
                  p.actuator.thermal_resistance)
         return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
 
+    def without_unseen(self, fit: Fit) -> Fit:
+        """Return the fit with sizes back at neutral that the rows show less than their noise."""
+        moved = np.linalg.norm(fit.jacobian[:self.rows_counted()], axis=0) * np.abs(fit.z)
+        z = fit.z.copy()
+        for j, free in enumerate(self.freedoms):
+            if moved[j] < 1.0 and not np.isfinite(free.sigma) and not free.knob.shape:
+                z[j] = 0.0
+        p = self.parameters(z)
+        return replace(fit, z=z, parameters=p, initial=self.initial(z, p))
+
     def rows_counted(self) -> int:
         """Return how many measurements count, over all channels."""
         return sum(int(np.sum(self.rows & np.isfinite(measured)))

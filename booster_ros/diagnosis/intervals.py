@@ -55,13 +55,21 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
 
 
 def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[float, float, float]:
-    """Return (value, low, high) of a variable as the parameter's value, 95 %, within bounds."""
+    """
+    Return (value, low, high) of a variable as the parameter's value, 95 %, within bounds.
+
+    A stiffness or restriction that may as well be none ends at its upper bound, not at the zero
+    that stands for "none" there.
+    """
     free = problem.freedoms[index]
     low, high = np.quantile(draws[:, index], [0.025, 0.975])
     # the draws centre on a step away from the fit where it stopped early: hold both
+    value = free.value(fit.z[index])
     ends = [free.value(float(np.clip(z, free.low, free.high)))
             for z in (min(low, fit.z[index]), max(high, fit.z[index]))]
-    return free.value(fit.z[index]), min(ends), max(ends)
+    if free.knob.inverse and value != free.knob.neutral:
+        ends = [end if end != free.knob.neutral else free.knob.high for end in ends]
+    return value, min(ends), max(ends)
 
 
 def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:

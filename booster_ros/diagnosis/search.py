@@ -223,13 +223,13 @@ class Search:
         """Return the model with these of the chosen effects only, fitted from what they were."""
         problem = self.joint(self.problem(), rest)
         begun = problem.fit(self.carried(problem, chosen), evaluations=EVALUATIONS)
-        return self.rate(rest, problem, _polished(problem, begun))
+        return self.rate(rest, problem, polished(problem, begun))
 
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""
         problem = self.on(candidate.problem, ('fit', 'select'), factor)
         begun = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
-        return self.rate(candidate.effects, problem, _polished(problem, begun))
+        return self.rate(candidate.effects, problem, polished(problem, begun))
 
     def extend(self, parent: Candidate, tick: Callable[[], None],
                leave_out: tuple[str, ...] = (), worth: float = np.inf) -> list[Candidate]:
@@ -259,7 +259,7 @@ class Search:
         least = min((one.fit.cost for one in ended.values()), default=0.0)
         for name, one in ended.items():
             if least < one.fit.cost < CLOSE * least:  # on equal terms with the best
-                ended[name] = replace(one, fit=_polished(one.problem, one.fit))
+                ended[name] = replace(one, fit=polished(one.problem, one.fit))
         return preferred_first([
             replace(self.rate((*parent.effects, one.effect), one.problem, one.fit),
                     confirmed=one.confirmed, fault=self.fault(one.problem, one.fit, one.effect))
@@ -340,7 +340,7 @@ class Search:
         return begun + self._begun(parent.problem, parent.fit, lower, tick, worth, few=True)
 
 
-def _polished(problem: Problem, fit: Fit) -> Fit:
+def polished(problem: Problem, fit: Fit) -> Fit:
     """Return the fit carried on until that no longer pays; where the stem sticks, once."""
     rounds = 1 if has_dry_friction(fit.parameters.actuator) else POLISHINGS
     for _ in range(rounds):
