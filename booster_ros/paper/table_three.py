@@ -123,7 +123,7 @@ def _weighted(difference: np.ndarray) -> np.ndarray:
 
 
 def _with(freedoms: Sequence[Free], z: np.ndarray) -> PositionerParameters:
-    """Return the paper's positioner with the effect; the last of z is ln of a factor on E/P gain."""
+    """Return the paper's positioner with the effect; the last of z: ln of a factor on the gain."""
     p = PositionerParameters()
     for free, size in zip(freedoms, z):
         p = put(p, free.knob.parameter, free.value(float(size)), free.element)
