@@ -29,8 +29,11 @@ EXACT = 1e-3
 TOWARDS = 0.9
 """Cosine from which a direction is called near."""
 
-BENT = 1.5
-"""From this ratio between first and last slope, over the model's, a decay is called bent."""
+BENT = 4.0
+"""
+A decay is called bent where its slope changes, within a third of the record, by more than this many
+RMS errors of the model: less than that the steps of a coarse reading make.
+"""
 
 
 def on(record: MeasuredRecord, diagnosis: Diagnosis) -> list[str]:
@@ -117,11 +120,14 @@ def _on_chamber(diagnosis: Diagnosis) -> list[str]:
     sentences = [
         f'Over the first and the last third the pressure falls by {number(seen[0])} and '
         f'{number(seen[1])} Pa/s, in the model by {number(model[0])} and {number(model[1])}.']
-    if seen[0] / seen[1] > BENT * model[0] / model[1]:
+    change = (seen[0] - seen[1] - model[0] + model[1]) * float(np.ptp(time)) / 3.0
+    if change > BENT * diagnosis.error[name].after:
         sentences.append(
             'So it slows down by more than an orifice does, whose flow only follows the absolute '
             'pressure. A wall that creeps, a seal that settles or the gauge could do that; this '
             'record cannot say which.')
+    else:
+        sentences.append('That difference is no larger than the steps in the reading can make.')
     heat = sorted((s for s in diagnosis.suspects if 'heat_transfer' in s.effects),
                   key=lambda s: len(s.effects))
     if heat:
