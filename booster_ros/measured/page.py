@@ -118,10 +118,10 @@ def effect_table(effect: FoundEffect) -> str:
 
 def _range(effect: str, parameter: str, interval: Interval, digits: int) -> str:
     knob = remarks.knob_of(effect, parameter)
-    high = si_text(interval.high, interval.unit, digits)
-    if knob.inverse and interval.low == knob.neutral:
-        return f'from {high} up'  # what vanishes as it grows has its neutral value beyond all
-    return f'{number(interval.low, digits)} to {high}'
+    if knob.inverse and interval.high >= knob.high:
+        # what vanishes as it grows ends where it is none
+        return f'from {si_text(interval.low, interval.unit, digits)} up'
+    return f'{number(interval.low, digits)} to {si_text(interval.high, interval.unit, digits)}'
 
 
 def suspect_table(diagnosis: Diagnosis) -> str:

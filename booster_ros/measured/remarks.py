@@ -160,9 +160,9 @@ def on_supplies(found: Mapping[str, Sequence[Prediction]]) -> list[str]:
         'With gain and flow force both free, one supply pressure cannot share the slope out '
         'between them, so that model needs two.',
         f'On 150 and 200 kPa together it leaves {both[pair].fitted:.2f} when fitted from many '
-        'starts; if `close_loop` left more above, it ended in a valley beside this one.',
-        'The 100 kPa series follows from neither, and with it left out or in, the best model '
-        f'changes: over all three the preload alone is ahead ({left_out(list(preload)):.2f}).'
+        'starts, the best that `close_loop` could have come to above.',
+        'The 100 kPa series follows from none of them, and with it in, the best model changes: '
+        f'over all three the preload alone is ahead ({left_out(list(preload)):.2f}).'
         if left_out(list(preload)) < left_out(list(both)) else
         'Over all three supplies the flow force is ahead as well.']
 
