@@ -15,7 +15,7 @@ from booster_ros.diagnosis.result import (
     Suspect,
     UnknownTerm,
 )
-from booster_ros.diagnosis.segments import rows_of, split
+from booster_ros.diagnosis.segments import rows_of, split, split_sweep
 from booster_ros.model import discrepancy
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
@@ -62,7 +62,8 @@ def diagnosis_of(columns, verdict, after=DECLARED, effects=(), unknown=None):
     record = record_of(columns)
     experiment = prepare(record, DECLARED)
     driver = next(iter(experiment.pinned.values()), experiment.current)
-    segments = split(experiment.time, driver)
+    segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
+        experiment.time, driver)
     runs = {'declared': experiment.predict(DECLARED), 'before': experiment.predict(DECLARED),
             'after': experiment.predict(after)}
 

@@ -22,8 +22,9 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
     """
     Return draws of z, shape (DRAWS, variables), by a block bootstrap of whole segments.
 
-    `of_row` says of each row of the experiment which segment it belongs to. Each draw weighs the segments by how often they were drawn and makes one Gauss-Newton step from
-    the fit. Residuals may be as coloured as they like within a segment.
+    `of_row` says of each row of the experiment which segment it belongs to. Each draw weighs the
+    segments by how often they were drawn and makes one Gauss-Newton step from the fit. Residuals
+    may be as coloured as they like within a segment.
     """
     residual = problem.residuals(fit.z)
     jacobian = fit.jacobian
@@ -104,7 +105,7 @@ def _holds_zero(draws: Array, best: Array) -> bool:
 
 def own_sizes(effect: str) -> set[str]:
     """Return the parameters that give an effect its size and no effect before it has as well."""
-    before = set()
+    before: set[str] = set()
     for name, row in EFFECTS.items():
         sizes = {knob.parameter for knob in row.knobs if not knob.shape}
         if name == effect:

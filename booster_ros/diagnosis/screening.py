@@ -168,7 +168,8 @@ def screen(problem: Problem, around: list[_Reference], name: str, frequencies: A
     joint = with_effect(problem, EFFECTS[name])
     free = joint.freedoms[len(problem.freedoms):]
     low, high = joint.bounds()
-    starts, costs = [], []
+    starts: list[Array] = []
+    costs: list[float] = []
     for reference in around:
         best, lowest = None, float('inf')
         for trial in _trials(free, frequencies, few):

@@ -11,8 +11,8 @@ named effects. Numbered as carried out:
 3. fit the most promising jointly with the declared parameters, on the fit segments, thinned, a
    few steps from both starts that screening found, then the cheapest to their end;
 4. leave out those whose size is not told from none, or which run into their bounds (see
-   intervals), and score the others on the select segments; the score is the sum of squared scaled residuals and of the
-   departures that the priors of the declared parameters hold against a model;
+   intervals), and score the others on the select segments; the score is the sum of squared scaled
+   residuals and of the departures that the priors of the declared parameters hold against a model;
 5. keep the best and go on from 2 for a second and a third effect while the score falls by more
    than one standard error (paired, over segments), by a share that matters, and by a third of
    what noise does not explain; where the stem sticks, what lies above it is sought with the stem
@@ -48,11 +48,11 @@ EVALUATIONS = 10
 """Steps of one fit."""
 
 MOST_EFFECTS = 3
-PROMISING = 9
+PROMISING = 6
 FIRST_EVALUATIONS = 4
 """Effects per round that are fitted for so many steps from each of their starts."""
 
-FINALISTS = 8
+FINALISTS = 6
 HOPELESS = 6.0
 """Fits per round that are carried to their end, unless they cost so much more than the best."""
 
