@@ -26,8 +26,6 @@ MOST_ADDITIONS, MOST_OTHERS = 2, 5
 """How many models are shown that hold the choice and more, and that do not."""
 
 
-
-
 def document(sections: Sequence[str]) -> str:
     """Return the page."""
     text = '\n'.join(sections)

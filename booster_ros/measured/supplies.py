@@ -18,7 +18,6 @@ from ..model.system import PositionerParameters
 from ..paper.printed import FLOW_UNIT
 
 
-
 class Model(NamedTuple):
     """Effects that are fitted; `gain` is an opening gain, m²/N, that is given and not fitted."""
 
