@@ -60,23 +60,18 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
     drives = [experiment.current, *experiment.pinned.values()]
     rests = [] if experiment.quasi_static else rests_of(experiment.time, drives)
     noise = {name: noise_of(values, rests) for name, values in experiment.measured.items()}
+    of_drives = {name: noise_level(values) for name, values in experiment.pinned.items()}
     still = experiment.predict(model) if experiment.pinned else {}
     for run in range(runs):
         rng = np.random.default_rng([seed, run])
         truth = dict(diagnosis.runs['before'])
         if experiment.pinned:
             # what was read drives the model; what drove the valve is that less its noise
-            moved = _shaken(experiment, rng).predict(model)
+            moved = experiment.shaken(of_drives, rng).predict(model)
             truth = {name: values + moved[name] - still[name] for name, values in truth.items()}
         yield _with_measured(experiment, {
             name: np.where(np.isfinite(measured), noise[name].added_to(truth[name], rng), np.nan)
             for name, measured in experiment.measured.items()})
-
-
-def _shaken(experiment: Experiment, rng: np.random.Generator) -> Experiment:
-    return replace(experiment, pinned={
-        name: values + noise_level(values) * rng.standard_normal(len(values))
-        for name, values in experiment.pinned.items()})
 
 
 def _with_measured(experiment: Experiment, measured: dict[str, Array]) -> Experiment:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """An experiment: what drives the model, what is compared, and how noisy that is."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,6 +73,12 @@ class Experiment:
     def is_flow_bench(self) -> bool:
         """Whether a bench sets the pressures around the booster and reads its flow."""
         return 'mass_flow' in self.measured and 'chamber_pressure' in self.pinned
+
+    def shaken(self, noise: Mapping[str, float], rng: np.random.Generator) -> 'Experiment':
+        """Return this experiment with white noise of these levels added to its measured drives."""
+        return replace(self, pinned={
+            name: values + noise[name] * rng.standard_normal(len(values))
+            for name, values in self.pinned.items()})
 
     def simulate(self, parameters: PositionerParameters, initial: Initial | None = None
                  ) -> Simulation:

@@ -184,6 +184,11 @@ class Fit:
     cost: float
     jacobian: Array = field(repr=False)
 
+    @property
+    def seen(self) -> Array:
+        """Which variables, as they stand, move the scaled residuals by more than the noise."""
+        return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -287,10 +292,10 @@ class Problem:
 
     def without_unseen(self, fit: Fit) -> Fit:
         """Return the fit with sizes back at neutral that the rows show less than their noise."""
-        moved = np.linalg.norm(fit.jacobian[:self.rows_counted()], axis=0) * np.abs(fit.z)
+        seen = fit.seen
         z = fit.z.copy()
         for j, free in enumerate(self.freedoms):
-            if moved[j] < 1.0 and not np.isfinite(free.sigma) and not free.knob.shape:
+            if not seen[j] and not np.isfinite(free.sigma) and not free.knob.shape:
                 z[j] = 0.0
         p = self.parameters(z)
         return replace(fit, z=z, parameters=p, initial=self.initial(z, p))

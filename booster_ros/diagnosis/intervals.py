@@ -82,9 +82,9 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
     is that of all sizes together: two that do the same may each be anything, their sum may not.
     """
     own = own_sizes(effect)
-    shown = np.linalg.norm(fit.jacobian[:problem.rows_counted()], axis=0) * np.abs(fit.z)
+    seen = fit.seen
     sizes = [j for j, free in enumerate(problem.freedoms)
-             if free.knob.parameter in own and shown[j] > 1.0]  # else all of it is below the noise
+             if free.knob.parameter in own and seen[j]]
     if not sizes or _holds_zero(draws[:, sizes], fit.z[sizes]):
         return 'its size is not told from none'
     stuck = [problem.freedoms[j] for j in sizes if _at_bound(problem.freedoms[j], fit.z[j])]

@@ -166,11 +166,8 @@ def _with_noise_of_drives(
     experiment: Experiment, declared: PositionerParameters, noise: Mapping[str, float]
 ) -> Experiment:
     """Return the experiment with what the noise of measured drives adds to what is compared."""
-    rng = np.random.default_rng(1)
-    shaken = {name: values + noise[name] * rng.standard_normal(len(values))
-              for name, values in experiment.pinned.items()}
     still = experiment.predict(declared)
-    moved = replace(experiment, pinned=shaken).predict(declared)
+    moved = experiment.shaken(noise, np.random.default_rng(1)).predict(declared)
     return replace(experiment, noise={
         name: float(np.hypot(level, np.nanstd(moved[name] - still[name])))
         for name, level in experiment.noise.items()})

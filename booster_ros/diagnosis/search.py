@@ -380,9 +380,8 @@ def plainness(candidate: Candidate, behind: float) -> tuple[bool, int, int]:
 
 def _sizes_shown(candidate: Candidate) -> int:
     """Return how many sizes of effects move the record by more than its noise."""
-    shown = np.linalg.norm(candidate.fit.jacobian, axis=0) * np.abs(candidate.fit.z) > 1.0
     return sum(not free.knob.shape and not np.isfinite(free.sigma) and bool(seen)
-               for free, seen in zip(candidate.problem.freedoms, shown))
+               for free, seen in zip(candidate.problem.freedoms, candidate.fit.seen))
 
 
 def told_apart(worse: Candidate, better: Candidate) -> bool:
