@@ -151,8 +151,10 @@ def test_jumps_of_the_clock_are_warned_about_and_the_state_is_kept(simulated):
     clock.show(5000 * SECOND)
     node.wait_for(r'the clock jumped by \+49\d\d\.\d+ s')
     client.spin_until(lambda: stamp_of(pressures[-1]) >= 5000 * SECOND)
-    client.spin_until(lambda: time_details(diagnostics).get('backward jumps of the clock') == '1')
-    assert float(time_details(diagnostics)['skipped forward jumps of the clock [s]']) > 4900
+    # A message from between the two jumps knows of the first only: the later one is waited for.
+    client.spin_until(lambda: float(
+        time_details(diagnostics).get('skipped forward jumps of the clock [s]', 0)) > 4900)
+    assert time_details(diagnostics)['backward jumps of the clock'] == '1'
     assert float(time_details(diagnostics)['simulated time [s]']) < 1.0
 
 
