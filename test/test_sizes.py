@@ -119,7 +119,8 @@ def test_close_rivals_meet_again_on_every_row(costs, winner):
         asked.append((one.effects[0], factor))
         return replace(one, fit=replace(one.fit, cost=whole[one.effects[0]]))
 
-    ranked = rematch(SimpleNamespace(on_both=on_both), chosen, [chosen, rival, far, broken])
+    search = SimpleNamespace(on_both=on_both, names=(), thinning=1, on=lambda problem, *_: problem)
+    ranked = rematch(search, chosen, [chosen, rival, far, broken])
     assert asked == [('chamber_leak', 1), ('exhaust_seat_leak', 1)]
     assert ranked[0].effects == (winner,)
 

@@ -50,6 +50,9 @@ WORSE = 1.05
 ALIKE = 10.0
 """Cost by screening, relative to the choice, up to which another effect may be its equal."""
 
+CLEARED = 0.3
+"""Of what is left above noise, the share that an effect may leave where little was left."""
+
 MOSTLY = 0.03
 """Share of the declared model's excess over noise below which no nameless term competes."""
 
@@ -105,11 +108,11 @@ def _forward(search: Search, tell: Progress) -> _Tried:
     chosen = refit
     parent = refit
     for level in range(MOST_EFFECTS):
-        if _explained(chosen, refit):
+        if _explained(chosen):
             break
         ranked = _round(search, parent, level, tell)
         everything += ranked
-        if ranked and not ranked[0].fault and clearly_better(ranked[0], chosen):
+        if ranked and _adds(ranked[0], chosen, refit):
             chosen = ranked[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
             break
@@ -132,17 +135,28 @@ def _patience(chosen: Candidate) -> int:
     return 1 if chosen.misfit > WELL_EXPLAINED and not slow else 0
 
 
-def _explained(chosen: Candidate, refit: Candidate) -> bool:
+def _explained(chosen: Candidate) -> bool:
     """
-    Tell whether what is left is noise, or too little beside what the effects explain.
+    Tell whether what is left is noise.
 
     Where nothing has been added yet, noise must be all that is left of the fit segments as well: an
     effect may show in few segments only.
     """
     fitted = chosen.fit.cost < NEAR_NOISE * chosen.problem.rows_counted()
-    if chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (chosen.effects or fitted):
-        return True
-    return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
+    return chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (
+        bool(chosen.effects) or fitted)
+
+
+def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:
+    """
+    Tell whether one effect more is called for.
+
+    What idealising the effects so far may leave, beside all that they explain, calls for one only
+    if that leaves noise.
+    """
+    idealised = bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
+    return not better.fault and clearly_better(better, chosen) and (
+        not idealised or better.misfit - 1.0 < CLEARED * (chosen.misfit - 1.0))
 
 
 def _round(search: Search, parent: Candidate, level: int, tell: Progress) -> list[Candidate]:

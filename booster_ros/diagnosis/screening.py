@@ -10,9 +10,12 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
 2. let the reference variables react linearly: z ← z - J⁺ r, priors included; what remains is the
    cost this size can reach;
-3. what remains runs nearly straight from size 0 to e: try the size at which it is least.
+3. what remains runs nearly straight from size 0 to e: try the size at which it is least;
+4. that reckoning fails where the variables react by much. So a few Gauss-Newton steps follow from
+   the best size, with J kept as it is and only the effect's own columns simulated anew (chord
+   steps): what they reach is no promise but a cost that was simulated.
 
-The best size around each reference is where a joint fit begins.
+Where they end, around each reference, is where a joint fit begins.
 """
 
 from dataclasses import dataclass
@@ -29,10 +32,24 @@ Array = np.ndarray
 SIZES = (0.25, 1.0, 3.0)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
 
+CHORD_STEPS = 4
+CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
+"""Steps with the reference's Jacobian, and the parts of each that are tried."""
+
+WORTH_A_STEP = 0.02
+"""They end when one lowers the cost by a smaller share."""
+
+DIFFERENCE = 1e-2
+"""In a size, for its column of the Jacobian."""
+
 
 @dataclass(frozen=True)
 class Screened:
-    """An effect, the problem with it added, where to fit from (best first), the costs there."""
+    """
+    An effect, the problem with it added, where to fit from (best first), the costs there.
+
+    A cost is the lower of what was simulated there and what linear reckoning promises.
+    """
 
     effect: str
     problem: Problem
@@ -52,22 +69,22 @@ def with_effect(problem: Problem, effect: Effect) -> Problem:
     return Problem(problem.experiment, problem.rows, problem.base, problem.freedoms + added)
 
 
-def _insert(problem: Problem, z: Array, e: Array) -> Array:
+def with_sizes(problem: Problem, z: Array, e: Array) -> Array:
     """Return z with the effect's variables between parameters and the start's."""
     size = len(z) - problem.nuisances
     return np.concatenate([z[:size], e, z[size:]])
 
 
-def _neutral(free: tuple[Free, ...]) -> Array:
+def no_size(free: tuple[Free, ...]) -> Array:
     """Return the variables of an effect of no size, its shapes at their typical values."""
     return np.array([f.without_size for f in free])
 
 
-def _trials(free: tuple[Free, ...], frequencies: Array, few: bool) -> list[Array]:
+def sizes_to_try(free: tuple[Free, ...], frequencies: Array, few: bool) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
         return _oscillations(free, frequencies)
-    neutral = _neutral(free)
+    neutral = no_size(free)
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
     steps = [size * sign for size in ((1.0,) if few else SIZES) for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
@@ -94,7 +111,7 @@ def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
     trials = []
     for frequency in frequencies:
         for phase in (0.0, 1.571, 3.142, -1.571):
-            e = _neutral(free)
+            e = no_size(free)
             e[names.index('supply.ripple')] = 0.5
             e[names.index('supply.ripple_frequency')] = free[
                 names.index('supply.ripple_frequency')].variable(frequency)
@@ -133,7 +150,7 @@ def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
 
 
 @dataclass(frozen=True)
-class _Reference:
+class Reference:
     """A fit around which the declared parameters react linearly."""
 
     z: Array
@@ -142,13 +159,13 @@ class _Reference:
     left: Array
 
 
-def _reference(problem: Problem, fit: Fit) -> _Reference:
+def reference_at(problem: Problem, fit: Fit) -> Reference:
     solver = np.linalg.pinv(fit.jacobian, rcond=1e-8)
     r = problem.residuals(fit.z)
-    return _Reference(fit.z, fit.jacobian, solver, r - fit.jacobian @ (solver @ r))
+    return Reference(fit.z, fit.jacobian, solver, r - fit.jacobian @ (solver @ r))
 
 
-def references(problem: Problem, fit: Fit) -> list[_Reference]:
+def references(problem: Problem, fit: Fit) -> list[Reference]:
     """
     Return what to screen around: the fit, and the same effects with the parameters as given.
 
@@ -159,10 +176,10 @@ def references(problem: Problem, fit: Fit) -> list[_Reference]:
     for j, free in enumerate(problem.freedoms):
         if not np.isfinite(free.sigma):
             given[j] = fit.z[j]
-    return [_reference(problem, fit), _reference(problem, problem.at(given))]
+    return [reference_at(problem, fit), reference_at(problem, problem.at(given))]
 
 
-def screen(problem: Problem, around: list[_Reference], name: str, frequencies: Array,
+def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
            few: bool = False) -> Screened:
     """Return the quick joint fit of one effect on top of a fitted problem; `few` sizes only."""
     joint = with_effect(problem, EFFECTS[name])
@@ -172,12 +189,15 @@ def screen(problem: Problem, around: list[_Reference], name: str, frequencies: A
     costs: list[float] = []
     for reference in around:
         best, lowest = None, float('inf')
-        for trial in _trials(free, frequencies, few):
+        for trial in sizes_to_try(free, frequencies, few):
             cost, z = _along(problem, joint, reference, trial)
             if cost < lowest:
                 best, lowest = z, cost
         if best is not None:
             start = np.clip(best, low, high)
+            if not few:
+                reached, start = _chord(problem, joint, reference, start)
+                lowest = min(lowest, reached)
             if not any(np.allclose(start, other, rtol=1e-3) for other in starts):
                 starts.append(start)
                 costs.append(lowest)
@@ -185,21 +205,21 @@ def screen(problem: Problem, around: list[_Reference], name: str, frequencies: A
     return Screened(name, joint, tuple(starts[k] for k in order), tuple(costs[k] for k in order))
 
 
-def _reach(problem: Problem, joint: Problem, reference: _Reference, e: Array
+def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
            ) -> tuple[Array, Array]:
     """Return what remains of the residuals at sizes e when all else reacts, and z there."""
-    r = joint.residuals(_insert(problem, reference.z, e))
+    r = joint.residuals(with_sizes(problem, reference.z, e))
     step = -reference.solver @ r
-    return r + reference.jacobian @ step, _insert(problem, reference.z + step, e)
+    return r + reference.jacobian @ step, with_sizes(problem, reference.z + step, e)
 
 
-def _along(problem: Problem, joint: Problem, reference: _Reference, e: Array
+def _along(problem: Problem, joint: Problem, reference: Reference, e: Array
            ) -> tuple[float, Array]:
     """Return the least cost on the way from neutral to e and beyond it, and z there."""
     free = joint.freedoms[len(problem.freedoms):]
     low = np.array([f.low for f in free])
     high = np.array([f.high for f in free])
-    neutral = _neutral(free)
+    neutral = no_size(free)
     left, z = _reach(problem, joint, reference, e)
     cost = float(left @ left)
     change = left - reference.left
@@ -208,4 +228,32 @@ def _along(problem: Problem, joint: Problem, reference: _Reference, e: Array
     left, moved = _reach(problem, joint, reference, better)
     if left @ left < cost:
         return float(left @ left), moved
+    return cost, z
+
+
+def _chord(problem: Problem, joint: Problem, reference: Reference, z: Array
+           ) -> tuple[float, Array]:
+    """Return the cost that chord steps from z reach, and z there."""
+    first = len(problem.freedoms)
+    low, high = joint.bounds()
+    r = joint.residuals(z)
+    cost = float(r @ r)
+    for _ in range(CHORD_STEPS):
+        columns = []
+        for j in range(first, len(joint.freedoms)):
+            moved = z.copy()
+            moved[j] += DIFFERENCE if z[j] + DIFFERENCE <= high[j] else -DIFFERENCE
+            columns.append((joint.residuals(moved) - r) / (moved[j] - z[j]))
+        jacobian = np.column_stack(
+            [reference.jacobian[:, :first], *columns, reference.jacobian[:, first:]])
+        step = np.linalg.lstsq(jacobian, -r, rcond=1e-8)[0]
+        before = cost
+        for share in CHORD_SHARES:
+            trial = np.clip(z + share * step, low, high)
+            found = joint.residuals(trial)
+            if float(found @ found) < cost:
+                z, r, cost = trial, found, float(found @ found)
+                break
+        if before - cost < WORTH_A_STEP * before:
+            break
     return cost, z

@@ -1,0 +1,103 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a record could not tell apart, whatever its noise was, and what screening reaches."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.applicable import applicable
+from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.diagnosis.fit import declared_freedom, put
+from booster_ros.diagnosis.indistinct import alike
+from booster_ros.diagnosis.rematch import rematch
+from booster_ros.diagnosis.screening import references, screen
+from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.segments import split
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import PositionerParameters
+
+P = PositionerParameters()
+TIME = np.arange(0.0, 60.0, 0.02)
+LEVELS = np.array([4.0, 4.5, 4.2, 4.35, 4.1, 4.55, 4.3, 4.45, 4.05, 4.4, 4.15, 4.5])
+NOISE = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+
+
+def search_of(plant, channels=tuple(NOISE)):
+    """Return a search over a noisy record of a plant whose effects nobody declared."""
+    current = 1e-4 * LEVELS[(TIME // 5.0).astype(int)]
+    run = simulate(plant, TIME, current, {'chamber_pressure': 1e5})
+    rng = np.random.default_rng(7)
+    measured = {name: run[f'measured_{name}'] + NOISE[name] * rng.standard_normal(len(TIME))
+                for name in channels}
+    experiment = Experiment(TIME, current, measured, {name: NOISE[name] for name in channels}, {},
+                            Initial(float(measured['chamber_pressure'][0])))
+    return Search(experiment, split(TIME, current), P, tuple(declared_freedom(P, experiment)),
+                  applicable(experiment, P))
+
+
+def model_with(search, effect, size):
+    """Return the model with one effect, fitted from a size of so many typical ones."""
+    problem = search.joint(search.problem(), (effect,))
+    start = problem.start()
+    start[len(search.freedoms)] = size
+    return search.rate((effect,), problem, problem.fit(start))
+
+
+OTHERS = ('exhaust_seat_leak', 'opening_nonlinearity', 'spring_nonlinearity', 'ep_nonlinearity',
+          'position_backlash', 'supply_droop', 'bench_set_shift', 'effective_area_change')
+
+
+def places_of(search, chosen, others=OTHERS):
+    """Return what other effects would cost in the place of the one that was chosen."""
+    problem = search.on(chosen.problem, ('fit', 'select'), 1)
+    found = alike(problem, problem.at(chosen.fit.z), chosen.effects[0], (), others)
+    return {one.effect: one.cost for one in found}
+
+
+@pytest.fixture(scope='module', name='leaking')
+def fixture_leaking():
+    search = search_of(put(P, 'actuator.leak_area', 3e-8))
+    return search, model_with(search, 'chamber_leak', 0.5)
+
+
+def test_two_leaks_of_the_same_air_are_one_to_a_record_and_a_curved_spring_is_not(leaking):
+    costs = places_of(*leaking)
+    assert next(iter(costs)) == 'exhaust_seat_leak'
+    assert abs(costs['exhaust_seat_leak']) < 1.0
+    assert costs['spring_nonlinearity'] > 100.0
+    assert costs['position_backlash'] > 100.0
+    assert list(costs.values()) == sorted(costs.values())
+
+
+def test_without_the_stem_seen_a_leak_is_more_alike_to_others(leaking):
+    seen = places_of(*leaking)
+    blind = search_of(put(P, 'actuator.leak_area', 3e-8), ('chamber_pressure',))
+    unseen = places_of(blind, model_with(blind, 'chamber_leak', 0.5))
+    told_apart = [unseen[name] / seen[name] for name in OTHERS[1:]]
+    assert np.median(told_apart) < 0.9
+
+
+def test_what_cannot_be_told_apart_is_fitted_before_anything_is_chosen(leaking):
+    search, chosen = leaking
+    search = replace(search, names=('chamber_leak', *OTHERS))
+    compared = rematch(search, chosen, [chosen])
+    assert {one.effects for one in compared} == {('chamber_leak',), ('exhaust_seat_leak',)}
+    assert compared[0].effects == ('chamber_leak',)
+    assert compared[1].fit.cost == pytest.approx(compared[0].fit.cost, abs=1.0)
+    alone = replace(search, names=tuple(n for n in search.names if n != 'exhaust_seat_leak'))
+    assert rematch(alone, chosen, [chosen]) == [chosen]
+
+
+def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_reckoned():
+    """The declared parameters have to move far before this exhaust is recognised."""
+    plant = put(put(P, 'booster.exhaust_gain_ratio', 0.6), 'booster.exhaust_area_ratio', 0.6)
+    search = search_of(plant)
+    refit = search.refit()
+    problem = refit.problem
+    found = screen(problem, references(problem, problem.at(refit.fit.z)), 'exhaust_asymmetry',
+                   np.array([0.5]))
+    reached = min(float(np.sum(found.problem.residuals(z)**2)) for z in found.starts)
+    assert reached < 1.3 * problem.rows_counted()
+    assert refit.fit.cost > 3.0 * problem.rows_counted()
