@@ -108,7 +108,7 @@ def _forward(search: Search, tell: Progress) -> _Tried:
     chosen = refit
     parent = refit
     for level in range(MOST_EFFECTS):
-        if _explained(chosen):
+        if _explained(chosen, refit):
             break
         ranked = _round(search, parent, level, tell)
         everything += ranked
@@ -135,28 +135,30 @@ def _patience(chosen: Candidate) -> int:
     return 1 if chosen.misfit > WELL_EXPLAINED and not slow else 0
 
 
-def _explained(chosen: Candidate) -> bool:
+def _explained(chosen: Candidate, refit: Candidate) -> bool:
     """
     Tell whether what is left is noise.
 
     Where nothing has been added yet, noise must be all that is left of the fit segments as well: an
-    effect may show in few segments only.
+    effect may show in few segments only. Where the stem sticks, what idealising its friction may
+    leave is taken for noise: no model repeats every slip, and another round takes minutes.
     """
+    if has_dry_friction(chosen.fit.parameters.actuator) and _idealised(chosen, refit):
+        return True
     fitted = chosen.fit.cost < NEAR_NOISE * chosen.problem.rows_counted()
     return chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (
         bool(chosen.effects) or fitted)
 
 
-def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:
-    """
-    Tell whether one effect more is called for.
+def _idealised(chosen: Candidate, refit: Candidate) -> bool:
+    """Tell whether idealising the effects so far may leave as much, beside all they explain."""
+    return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
 
-    What idealising the effects so far may leave, beside all that they explain, calls for one only
-    if that leaves noise.
-    """
-    idealised = bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
+
+def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:
+    """Tell whether one effect more is called for; where little is left, only if it clears that."""
     return not better.fault and clearly_better(better, chosen) and (
-        not idealised or better.misfit - 1.0 < CLEARED * (chosen.misfit - 1.0))
+        not _idealised(chosen, refit) or better.misfit - 1.0 < CLEARED * (chosen.misfit - 1.0))
 
 
 def _round(search: Search, parent: Candidate, level: int, tell: Progress) -> list[Candidate]:

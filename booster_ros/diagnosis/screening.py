@@ -13,7 +13,8 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 3. what remains runs nearly straight from size 0 to e: try the size at which it is least;
 4. that reckoning fails where the variables react by much. So a few Gauss-Newton steps follow from
    the best size, with J kept as it is and only the effect's own columns simulated anew (chord
-   steps): what they reach is no promise but a cost that was simulated.
+   steps): what they reach is no promise but a cost that was simulated. Not where the stem sticks:
+   slips that come and go are nothing to follow, and slow.
 
 Where they end, around each reference, is where a joint fit begins.
 """
@@ -25,6 +26,7 @@ import numpy as np
 from scipy.signal import periodogram
 
 from booster_ros.diagnosis.fit import Fit, Free, Problem, effect_freedom
+from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS, Effect
 
 Array = np.ndarray
@@ -195,7 +197,7 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
                 best, lowest = z, cost
         if best is not None:
             start = np.clip(best, low, high)
-            if not few:
+            if not few and not has_dry_friction(joint.parameters(start).actuator):
                 reached, start = _chord(problem, joint, reference, start)
                 lowest = min(lowest, reached)
             if not any(np.allclose(start, other, rtol=1e-3) for other in starts):
