@@ -7,15 +7,13 @@ from __future__ import annotations
 from collections.abc import Callable
 import os
 import time
-import tracemalloc
 
 import numpy as np
 
 from ..model.ensemble import simulate_ensemble
 from ..model.parameters import from_values
 from ..model.simulation import simulate
-from ..model.stream import Stream
-from . import cases
+from . import cases, long_records
 from .cases import Case
 
 ROUNDS = 5
@@ -91,21 +89,33 @@ def ensembles() -> str:
     return '\n'.join(lines)
 
 
-def durations() -> str:
-    """Return a table of speed and memory over simulated time, 100 Hz in portions of 10 minutes."""
-    lines = ['| simulated | × real time | largest memory, MB |', '|---|---|---|']
-    portion = 60_000
-    for hours in (1, 6, 24):
-        tracemalloc.start()
-        begin = time.process_time()
-        stream = Stream(from_values({}), 0.0, 0.4e-3)
-        for first in range(0, hours * 360_000, portion):
-            t = (first + np.arange(portion)) * 0.01
-            stream.advance(t, 0.41e-3 + 0.03e-3 * np.sin(0.3 * t))
-        used = time.process_time() - begin
-        _, peak = tracemalloc.get_traced_memory()
-        tracemalloc.stop()
-        lines.append(f'| {hours} h | {hours * 3600 / used:.0f} | {peak / 1e6:.0f} |')
+FRICTION: tuple[tuple[str, dict[str, object]], ...] = (
+    ('none', {'actuator.coulomb_friction': 0.0, 'actuator.stiction': 0.0}),
+    ('sliding friction 400 N', {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 0.0}),
+    ('300 N more to break away', {
+        'actuator.coulomb_friction': 400.0, 'actuator.stiction': 300.0,
+        'actuator.stribeck_velocity': 1e-3}),
+)
+
+
+def slips(case: Case) -> int:
+    """Return how often the stem starts from a standstill."""
+    seen = simulate(case.parameters, case.time, case.control_current, case.initial)
+    moving = np.abs(np.diff(seen['valve_position'])) > 1e-9
+    return int(np.sum(moving[1:] & ~moving[:-1]))
+
+
+def friction() -> str:
+    """Return a table of what dry friction costs on the same input."""
+    lines = ['| run | dry friction | slips | × real time | time, relative to none |',
+             '|---|---|---|---|---|']
+    for case in (cases.paper_test(), cases.moving_command(), cases.stick_slip()):
+        speeds = []
+        for name, values in FRICTION:
+            one = case._replace(parameters=from_values(values))
+            speeds.append(case_speed(one))
+            lines.append(f'| {case.name} | {name} | {slips(one)} | {speeds[-1]:.0f} | '
+                         f'{speeds[0] / speeds[-1]:.2f} |')
     return '\n'.join(lines)
 
 
@@ -115,6 +125,13 @@ def document() -> str:
 
 {effects()}
 
+## Dry friction
+
+The same rows without and with it. Beside a current that stands, a stem without friction is carried
+on over many rows in a step, and every slip ends such a step.
+
+{friction()}
+
 ## Ensembles
 
 Throughput per thread (wall time) and CPU time per set, both relative to a single run alone. What
@@ -123,7 +140,4 @@ whatever the number of threads.
 
 {ensembles()}
 
-## Simulated time
-
-{durations()}
-"""
+{long_records.document()}"""
