@@ -25,15 +25,19 @@ TIME = np.arange(0.0, 40.0, 0.02)
 CURRENT = 4.1e-4 + 4e-5 * np.sign(np.sin(TIME))
 
 
-def fitted(leak, effect, seed=3):
-    """Return problem, draws and fit of an effect to a noisy record of a plant with a leak."""
-    plant = put(P, 'actuator.leak_area', leak)
+def recorded(plant, seed=3):
+    """Return a noisy record of a plant as an experiment."""
     run = simulate(plant, TIME, CURRENT, {'chamber_pressure': 2e5})
     noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
     rng = np.random.default_rng(seed)
     measured = {name: run[f'measured_{name}'] + level * rng.standard_normal(len(TIME))
                 for name, level in noise.items()}
-    experiment = Experiment(TIME, CURRENT, measured, noise, {}, Initial(2e5))
+    return Experiment(TIME, CURRENT, measured, noise, {}, Initial(2e5))
+
+
+def fitted(leak, effect):
+    """Return problem, draws and fit of an effect to a noisy record of a plant with a leak."""
+    experiment = recorded(put(P, 'actuator.leak_area', leak))
     problem = with_effect(Problem(experiment, np.ones(len(TIME), dtype=bool), P, ()),
                           EFFECTS[effect])
     start = problem.start()
@@ -51,6 +55,24 @@ def test_a_leak_that_is_there_stands():
 def test_a_leak_that_is_not_there_does_not():
     problem, draws, fit = fitted(0.0, 'chamber_leak')
     assert undetermined(problem, draws, fit, 'chamber_leak') == 'its size is not told from none'
+
+
+def test_a_drift_stands_though_the_record_is_too_short_to_see_it_end():
+    """Its size and its time constant may both be anything, what it has moved so far may not."""
+    plant = put(put(P, 'ep_converter.drift', 4000.0), 'ep_converter.drift_time_constant', 1500.0)
+    experiment = recorded(plant)
+    problem = with_effect(Problem(experiment, np.ones(len(TIME), dtype=bool), P, ()),
+                          EFFECTS['ep_drift'])
+    fit = problem.fit(problem.start() + np.array([2.0, 0.5, *np.zeros(problem.nuisances)]))
+    draws = block_bootstrap(problem, fit, (TIME // 3.1416).astype(int))
+    assert undetermined(problem, draws, fit, 'ep_drift') == ''
+    ep = fit.parameters.ep_converter
+    slope = ep.drift / ep.drift_time_constant
+    assert slope == pytest.approx(4000.0 / 1500.0, rel=0.1)
+    value, low, high = interval_of(problem, draws, fit, 0)
+    assert 0.0 < low < value < high
+    _, shortest, longest = interval_of(problem, draws, fit, 1)
+    assert longest > 2.0 * shortest
 
 
 def made_fit(effect, z, draws, columns=None):

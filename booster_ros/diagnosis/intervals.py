@@ -25,6 +25,10 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
     `of_row` says of each row of the experiment which segment it belongs to. Each draw weighs the
     segments by how often they were drawn and makes one Gauss-Newton step from the fit. Residuals
     may be as coloured as they like within a segment.
+
+    Shapes are drawn with all else free, all else at the shapes that were found. Both at once would
+    run along a line through nonsense: a drift of half the size in half the time is the same drift
+    while it is young, and where the size is none the shape is nothing.
     """
     residual = problem.residuals(fit.z)
     jacobian = fit.jacobian
@@ -47,11 +51,16 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
     # a size is of its typical order: without that, a draw in which a size hardly shows is anything
     ridge = np.eye(size) / WIDEST**2
     pull = ridge @ fit.z
+    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
+    rest = np.setdiff1d(np.arange(size), shapes)
     for d in range(DRAWS):
         counts = np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks))
         gradient = counts @ gradients + prior_gradient + pull
         hessian = np.tensordot(counts, hessians, 1) + prior_hessian + ridge
         draws[d] = fit.z - np.linalg.solve(hessian, gradient)
+        if shapes:
+            draws[d, rest] = fit.z[rest] - np.linalg.solve(
+                hessian[np.ix_(rest, rest)], gradient[rest])
     return draws
 
 
