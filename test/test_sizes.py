@@ -9,8 +9,10 @@ from made_diagnosis import DECLARED, record_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.diagnose import diagnose
 from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, effect_freedom, put
+from booster_ros.diagnosis.fit import (
+    BENCH_RANGE, Fit, Problem, declared_freedom, effect_freedom, put)
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_sizes, undetermined
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
@@ -227,3 +229,18 @@ def test_a_size_that_no_row_shows_goes_back_to_neutral():
     assert fit.parameters.booster.exhaust_preload > 0.0  # a bench never exhausts
     assert booster.exhaust_preload == 0.0
     assert booster.intake_preload == fit.parameters.booster.intake_preload > 0.0
+
+
+def test_a_declared_parameter_that_ends_at_its_limit_is_pointed_out():
+    for factor in (0.5 * BENCH_RANGE, 2.0 * BENCH_RANGE):
+        experiment = bench(factor * DECLARED.booster.opening_gain, 0.37)
+        found = diagnose(experiment, DECLARED)
+        gain, area = (next(one for one in found.refitted if one.name == f'booster.{name}')
+                      for name in ('opening_gain', 'max_area'))
+        assert gain.at_limit is (factor > BENCH_RANGE)
+        assert gain.at_limit is (gain.after > 0.98 * BENCH_RANGE * gain.given)
+        assert gain.after > 5.0 * gain.given
+        said = [note for note in found.notes if note.startswith('booster.opening_gain went from')]
+        assert len(said) == gain.at_limit
+        assert not area.at_limit
+        assert not any('max_area' in note for note in found.notes)

@@ -16,7 +16,7 @@ import numpy as np
 from booster_ros.diagnosis.applicable import applicable, matters
 from booster_ros.diagnosis.cascade import shows_above_the_stem
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
-from booster_ros.diagnosis.fit import Fit, Problem, declared_freedom, get
+from booster_ros.diagnosis.fit import Fit, Free, Problem, declared_freedom, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.result import (
@@ -43,6 +43,9 @@ PLAUSIBLE = 12.0
 
 WELL_EXPLAINED = 1.5
 """Mean square misfit up to which named effects count as the whole explanation."""
+
+NEAR_LIMIT = 0.01
+"""A declared parameter this near the end of its range, relative to its way there, is at it."""
 
 WORSE = 1.05
 """Held-out error after, relative to before, from which a note warns."""
@@ -314,10 +317,12 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
             'not clearly better than the named effects')
         suspects.insert(0, Suspect(unnamed.effects, unnamed.misfit, fate))
     held_out = _errors(experiment, runs, locked)
+    refitted = _refitted(before, after, search)
     return Diagnosis(
         verdict, effects, table, _errors(experiment, runs, rows), held_out, tuple(suspects),
-        _refitted(before, after, search), search.declared, before.parameters, after.parameters,
-        experiment, tuple(search.segments), runs, (*notes, *_doubts(held_out)))
+        refitted, search.declared, before.parameters, after.parameters,
+        experiment, tuple(search.segments), runs,
+        (*notes, *_doubts(held_out), *_cornered(refitted)))
 
 
 def _doubts(held_out: dict[str, ChannelError]) -> tuple[str, ...]:
@@ -326,6 +331,14 @@ def _doubts(held_out: dict[str, ChannelError]) -> tuple[str, ...]:
         f'on the locked part the error of {name} rises from {error.before:.3g} to '
         f'{error.after:.3g} {error.unit} with what was added: trust it less'
         for name, error in held_out.items() if error.after > WORSE * max(error.before, error.noise))
+
+
+def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
+    """Return a sentence for each declared parameter that ended where a refit has to end."""
+    return tuple(
+        f'{one.name} went from {one.given:.4g} to {one.after:.4g} {one.unit}, the end of what a '
+        'refit allows: its value is no measurement, and the model may lack something else'
+        for one in refitted if one.at_limit)
 
 
 def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
@@ -415,12 +428,20 @@ def _found_unknown(best: Candidate, after: Fit) -> tuple[tuple[FoundEffect, ...]
     return (effect,), unknown
 
 
+def _at_limit(free: Free, z: float) -> bool:
+    """Tell whether a declared parameter ended at either end of what a refit allows."""
+    value, given = free.value(z), free.value(0.0)
+    return any(abs(value - end) < NEAR_LIMIT * abs(end - given)
+               for end in (free.knob.low, free.knob.high))
+
+
 def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
     rows = []
-    for free in search.freedoms:
+    for free, z in zip(search.freedoms, after.z):
         name, element = free.knob.parameter, free.element
         rows.append(Refitted(
             name if element is None else f'{name}[{element}]', DESCRIPTIONS[name].unit,
             get(search.declared, name, element), get(before.parameters, name, element),
-            get(after.parameters, name, element), free.scale))
+            get(after.parameters, name, element), free.scale,
+            _at_limit(free, z)))
     return tuple(rows)

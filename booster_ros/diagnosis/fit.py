@@ -295,7 +295,8 @@ class Problem:
         seen = fit.seen
         z = fit.z.copy()
         for j, free in enumerate(self.freedoms):
-            if not seen[j] and not np.isfinite(free.sigma) and not free.knob.shape:
+            size = not np.isfinite(free.sigma) and not free.knob.shape
+            if size and not seen[j] and free.knob.parameter not in BENCH:
                 z[j] = 0.0
         p = self.parameters(z)
         return replace(fit, z=z, parameters=p, initial=self.initial(z, p))

@@ -69,7 +69,11 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Refitted:
-    """A declared parameter: as given, refitted without and with the effect."""
+    """
+    A declared parameter: as given, refitted without and with the effect.
+
+    `at_limit` says that the last one ended at the end of what a refit allows.
+    """
 
     name: str
     unit: str
@@ -77,6 +81,7 @@ class Refitted:
     before: float
     after: float
     spread: float
+    at_limit: bool = False
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..diagnosis.experiment import rmse
+from ..diagnosis.fit import BENCH_RANGE
 from ..diagnosis.result import Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
 from ..paper.table_three import Suspect as IndexSuspect
@@ -93,11 +94,15 @@ def _on_flow_bench(diagnosis: Diagnosis) -> list[str]:
         f'{rmse(measured, diagnosis.runs["after"]["mass_flow"], supply == at) * 1e4:.2f} at '
         f'{at / 1e3:.0f} kPa'
         for measured in [diagnosis.experiment.measured['mass_flow']] for at in np.unique(supply)]
+    ended = [f'`{one.name}`' for one in diagnosis.refitted if one.at_limit]
     k, area = diagnosis.after.booster.opening_gain, diagnosis.after.booster.max_area
     return [
         f'By supply pressure it misses by {listing(each)}, in table units.',
         f'Opening gain and largest area, free on a flow bench, become {si_text(k, "m^2/N")} and '
         f'{si_text(area, "m^2")}.',
+        *([f'{listing(ended)} ended where a fit has to end, {BENCH_RANGE:g} times the declared: '
+           'what resists the opening is then the added effect alone, and the value no '
+           'measurement.'] if ended else []),
         'The outlet is open in all of Table I, so a force that grows with the supply pressure and '
         'one that grows with the drop across the seat look the same.']
 
