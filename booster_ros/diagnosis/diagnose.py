@@ -8,7 +8,7 @@ once, and everything is put into words and numbers.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import itertools
 
 import numpy as np
@@ -74,6 +74,11 @@ class _Tried:
     chosen: Candidate
     all: tuple[Candidate, ...]
     reasons: dict[tuple[str, ...], str]
+
+    @property
+    def held_out(self) -> Candidate:
+        """The chosen effects as they scored on segments they had not been fitted to."""
+        return next(one for one in self.all if set(one.effects) == set(self.chosen.effects))
 
 
 def diagnose(
@@ -261,7 +266,7 @@ def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
     """
-    left, declared = tried.chosen.misfit - 1.0, tried.refit.misfit - 1.0
+    left, declared = tried.held_out.misfit - 1.0, tried.refit.misfit - 1.0
     if tried.chosen.misfit < WELL_EXPLAINED or (
             tried.chosen.effects and left < MOSTLY * declared):
         return None
@@ -296,7 +301,8 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
     verdict, best = 'none', tried.refit
     if tried.chosen.effects:
         verdict, best = 'effect', tried.chosen
-    if unnamed is not None and (not tried.chosen.effects or clearly_better(unnamed, best)):
+    if unnamed is not None and (
+            not tried.chosen.effects or clearly_better(unnamed, tried.held_out)):
         verdict, best = 'unknown', unnamed
     problem, after = _final(search, best)
     effects: tuple[FoundEffect, ...] = ()
@@ -315,6 +321,10 @@ def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: t
     if unnamed is not None:
         fate = 'chosen: structure that no named effect predicts' if verdict == 'unknown' else (
             'not clearly better than the named effects')
+        if verdict == 'unknown':  # what was chosen among the named is not what is reported
+            suspects = [replace(s, reason='the best of the named, which explain less')
+                        if s.effects and s.effects == tried.chosen.effects else s
+                        for s in suspects]
         suspects.insert(0, Suspect(unnamed.effects, unnamed.misfit, fate))
     held_out = _errors(experiment, runs, locked)
     refitted = _refitted(before, after, search)
