@@ -217,7 +217,9 @@ in s, or a multiple of our solver's tolerance.
 ![work and precision](figures/work_precision.svg)
 
 {text}
-What the peers are spared and ours is not: outputs besides the states, sensors.
+What the peers are spared and ours is not: outputs besides the states, sensors. JAX (diffrax) is not
+among them: it cannot take functions that branch on values, and would solve a second copy of the
+equations.
 
 {scaling.document()}"""
 

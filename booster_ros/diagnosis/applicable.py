@@ -11,6 +11,7 @@ costs time and invites coincidences: in a sweep a lag looks like friction.
 import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.fit import Free, declared_freedom
 from booster_ros.model.catalogue import EFFECTS, Effect
 from booster_ros.model.system import PositionerParameters
 
@@ -60,6 +61,12 @@ def _shows(effect: Effect, experiment: Experiment) -> bool:
     if effect.location == 'supply' and 'supply_pressure' in experiment.pinned:
         return False
     return driven and (chamber_follows or 'mass_flow' in compared)
+
+
+def free_to_refit(declared: PositionerParameters, experiment: Experiment) -> tuple[Free, ...]:
+    """Return the declared parameters that a refit to this experiment may turn."""
+    return tuple(free for free in declared_freedom(declared, experiment)
+                 if matters(free.knob.parameter, experiment))
 
 
 def matters(parameter: str, experiment: Experiment) -> bool:

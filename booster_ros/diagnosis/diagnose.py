@@ -3,30 +3,26 @@
 """
 From a prepared experiment to a verdict.
 
-The order of work is that of `search`; here it is driven to its end, the locked test part is opened
-once, and everything is put into words and numbers.
+The named effects are selected (selection), terms without a name compete with them (nameless), the
+locked test part is opened once, and everything is put into words and numbers.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-import itertools
+from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.applicable import applicable, matters
-from booster_ros.diagnosis.cascade import shows_above_the_stem
+from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
-from booster_ros.diagnosis.fit import Fit, Free, Problem, declared_freedom, get
+from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
-from booster_ros.diagnosis.rematch import rematch
+from booster_ros.diagnosis.nameless import best_term
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate,
-    Search, clearly_better, gain, polished, preferred_first, told_apart)
-from booster_ros.diagnosis.segments import (
-    rows_of, segment_of_row, split, split_sweep)
-from booster_ros.diagnosis.unknown import LOCATION_NAMES, linear_reach, moved, terms
+    EVALUATIONS, NEAR_NOISE, Candidate, Search, clearly_better, gain, polished, told_apart)
+from booster_ros.diagnosis.segments import rows_of, segment_of_row, split, split_sweep
+from booster_ros.diagnosis.selection import Progress, Tried, select
+from booster_ros.diagnosis.unknown import LOCATION_NAMES
 from booster_ros.model import discrepancy as term
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
@@ -34,51 +30,14 @@ from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
-Progress = Callable[[str, float], None]
 
 USED = ('fit', 'select')
-
-PLAUSIBLE = 12.0
-"""Sum of squared departures of the declared parameters that their priors still allow."""
-
-WELL_EXPLAINED = 1.5
-"""Mean square misfit up to which named effects count as the whole explanation."""
 
 NEAR_LIMIT = 0.01
 """A declared parameter this near the end of its range, relative to its way there, is at it."""
 
 WORSE = 1.05
 """Held-out error after, relative to before, from which a note warns."""
-
-ALIKE = 10.0
-"""Cost by screening, relative to the choice, up to which another effect may be its equal."""
-
-CLEARED = 0.3
-"""Of what is left above noise, the share that an effect may leave where little was left."""
-
-MOSTLY = 0.03
-"""Share of the declared model's excess over noise below which no nameless term competes."""
-
-FORESEEN = 0.2
-"""Share of it below which no term over time competes: that says what was, not what comes."""
-
-LIKELY_TERMS = 4
-"""Terms without a name that are fitted: those that reach furthest by linear reckoning."""
-
-
-@dataclass(frozen=True)
-class _Tried:
-    """All models that were fitted, and the one that was chosen."""
-
-    refit: Candidate
-    chosen: Candidate
-    all: tuple[Candidate, ...]
-    reasons: dict[tuple[str, ...], str]
-
-    @property
-    def held_out(self) -> Candidate:
-        """The chosen effects as they scored on segments they had not been fitted to."""
-        return next(one for one in self.all if set(one.effects) == set(self.chosen.effects))
 
 
 def diagnose(
@@ -96,202 +55,19 @@ def diagnose(
         experiment.current) == 0.0 else experiment.current
     segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
         experiment.time, drive)
-    freedoms = tuple(free for free in declared_freedom(declared, experiment)
-                     if matters(free.knob.parameter, experiment))
-    search = Search(experiment, segments, declared, freedoms, applicable(experiment, declared))
+    search = Search(experiment, segments, declared, free_to_refit(declared, experiment),
+                    applicable(experiment, declared))
     tell('refitting the declared parameters', 0.02)
-    tried = _forward(search, tell)
+    tried = select(search, tell)
     tell('looking for a discrepancy without a name', 0.8)
-    unnamed = _unnamed(search, tried)
+    unnamed = best_term(search, tried)
     tell('final fit and intervals', 0.92)
     result = _conclude(search, tried, unnamed, notes)
     tell('done', 1.0)
     return result
 
 
-def _forward(search: Search, tell: Progress) -> _Tried:
-    """Carry out steps 1 to 7 of the search."""
-    refit = search.refit()
-    everything = [refit]
-    chosen = refit
-    parent = refit
-    for level in range(MOST_EFFECTS):
-        if _explained(chosen, refit) or _fits_all(search, chosen):
-            break
-        ranked = _round(search, parent, level, tell)
-        everything += ranked
-        if ranked and _adds(ranked[0], chosen, refit):
-            chosen = ranked[0]
-        elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
-            break
-        parent = ranked[0]
-    chosen = _exchanged(search, chosen, everything, tell)
-    chosen = _backward(search, chosen, everything)
-    tell('comparing those nearest to each other', 0.78)
-    chosen, *rivals = rematch(search, chosen, everything)
-    everything += rivals
-    chosen = _pruned(search, chosen, everything)
-    reasons = {c.effects: _reason(c, chosen) for c in everything}
-    reasons[chosen.effects] = 'chosen'
-    reasons[()] = 'the declared model, refitted'
-    return _Tried(refit, chosen, tuple(everything), reasons)
-
-
-def _patience(chosen: Candidate) -> int:
-    """Return how many rounds may find nothing clear: of two effects each alone may not show."""
-    slow = has_dry_friction(chosen.fit.parameters.actuator)
-    return 1 if chosen.misfit > WELL_EXPLAINED and not slow else 0
-
-
-def _explained(chosen: Candidate, refit: Candidate) -> bool:
-    """
-    Tell whether what is left is noise.
-
-    Where nothing has been added yet, noise must be all that is left of the fit segments as well: an
-    effect may show in few segments only. Where the stem sticks, what idealising its friction may
-    leave is taken for noise: no model repeats every slip, and another round takes minutes.
-    """
-    if has_dry_friction(chosen.fit.parameters.actuator) and _idealised(chosen, refit):
-        return True
-    fitted = chosen.fit.cost < NEAR_NOISE * chosen.problem.rows_counted()
-    return chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (
-        bool(chosen.effects) or fitted)
-
-
-def _fits_all(search: Search, chosen: Candidate) -> bool:
-    """
-    Tell whether the effects so far leave noise once the select segments are fitted as well.
-
-    Then these showed what the fit segments could not teach, a limit that none of them reached, say,
-    and nothing is missing. Not where the stem sticks: that fit takes minutes.
-    """
-    if not chosen.effects or has_dry_friction(chosen.fit.parameters.actuator):
-        return False
-    both = search.on_both(chosen, search.thinning)
-    return both.fit.cost < NEAR_NOISE * both.problem.rows_counted() and both.prior < PLAUSIBLE
-
-
-def _idealised(chosen: Candidate, refit: Candidate) -> bool:
-    """Tell whether idealising the effects so far may leave as much, beside all they explain."""
-    return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
-
-
-def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:
-    """Tell whether one effect more is called for; where little is left, only if it clears that."""
-    return not better.fault and clearly_better(better, chosen) and (
-        not _idealised(chosen, refit) or better.misfit - 1.0 < CLEARED * (chosen.misfit - 1.0))
-
-
-def _round(search: Search, parent: Candidate, level: int, tell: Progress) -> list[Candidate]:
-    """Return the models with one effect more than the parent, best first."""
-    steps = len(search.names) + PROMISING + FINALISTS
-    done = itertools.count(1)
-
-    def tick() -> None:
-        share = min(next(done) / steps, 1.0)
-        tell(f'trying effect {level + 1}', 0.05 + 0.2 * (level + share))
-
-    return search.extend(parent, tick)
-
-
-def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress
-               ) -> Candidate:
-    """
-    Try every other effect in the place of each of several.
-
-    The first was chosen while the others were missing and may have imitated them; what does as
-    well in its place is told apart from it here, or reported beside it. In the place of the last
-    all others have been tried already.
-    """
-    for k, name in enumerate(chosen.effects[:-1]):
-        rest = tuple(e for e in chosen.effects if e != name)
-        tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
-        parent = search.without(chosen, rest)
-        others = search.extend(
-            parent, lambda: None, (name, *_slow_beside(parent, search.names)),
-            worth=ALIKE * chosen.fit.cost)
-        everything += others
-        best = preferred_first([chosen, *others])[0]
-        if best is not chosen:
-            return best
-    return chosen
-
-
-def _slow_beside(parent: Candidate, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the effects that take minutes to try beside a parent's: of a stem that sticks."""
-    if not has_dry_friction(parent.fit.parameters.actuator):
-        return ()
-    return tuple(name for name in names if not shows_above_the_stem(name))
-
-
-def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
-    """Leave out every effect that the others do not need."""
-    if len(chosen.effects) < 2:
-        return chosen
-    for name in chosen.effects:
-        rest = tuple(e for e in chosen.effects if e != name)
-        smaller = search.without(chosen, rest)
-        everything.append(smaller)
-        if search.fault(chosen.problem, chosen.fit, name) or not clearly_better(chosen, smaller):
-            return _backward(search, smaller, everything)
-    return chosen
-
-
-def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
-    """Leave out every effect that the last and fullest fit does not tell from none."""
-    for name in chosen.effects:
-        if search.fault(chosen.problem, chosen.fit, name):
-            rest = tuple(e for e in chosen.effects if e != name)
-            smaller = search.on_both(search.without(chosen, rest), 1)
-            everything.append(smaller)
-            return _pruned(search, smaller, everything)
-    return chosen
-
-
-def _reason(candidate: Candidate, chosen: Candidate) -> str:
-    if set(chosen.effects) < set(candidate.effects):
-        return 'the added effect does not lower the held-back error enough'
-    if candidate.fault:
-        return candidate.fault
-    if told_apart(candidate, chosen):
-        ratio = candidate.score / max(chosen.score, 1e-12)
-        return f'{ratio:.3g} times the squared error of the choice'
-    return 'not told apart from the choice by this record'
-
-
-def _unnamed(search: Search, tried: _Tried) -> Candidate | None:
-    """
-    Return the best model with a tabulated term, None where named effects explain the record.
-
-    Where no named effect helps and much is left, noise is no explanation either: then the terms
-    compete on fit and select segments together, for what is missing may show in some of them only.
-    """
-    left, declared = tried.held_out.misfit - 1.0, tried.refit.misfit - 1.0
-    if tried.chosen.misfit < WELL_EXPLAINED or (
-            tried.chosen.effects and left < MOSTLY * declared):
-        return None
-    foreseen = tried.chosen.effects and left < FORESEEN * declared
-    likely = [one for one in terms(search.experiment.channels)
-              if not (foreseen and one.variable == term.TIME)]
-    thin = tried.refit.problem
-    references = [thin.at(tried.refit.fit.z), thin.at(thin.start())]
-    reached = sorted(
-        ((*linear_reach(thin, reference, one), one) for reference in references
-         for one in likely), key=lambda found: found[0])
-    candidates: dict[str, Candidate] = {}
-    for _, z, move, joint, one in reached:
-        if one.label in candidates or len(candidates) >= LIKELY_TERMS:
-            continue
-        fit = joint.fit(moved(joint, z, move), evaluations=EVALUATIONS)
-        candidates[one.label] = search.rate((f'unknown: {one.label}',), joint, fit)
-    best = min(candidates.values(), key=lambda c: c.score)
-    if tried.chosen.effects or clearly_better(best, tried.refit):
-        return best
-    together = [search.on_both(candidate, search.thinning) for candidate in candidates.values()]
-    return min(together, key=lambda c: c.fit.cost)
-
-
-def _conclude(search: Search, tried: _Tried, unnamed: Candidate | None, notes: tuple[str, ...]
+def _conclude(search: Search, tried: Tried, unnamed: Candidate | None, notes: tuple[str, ...]
               ) -> Diagnosis:
     """Refit on all but the locked part, open that part once, and collect the numbers."""
     experiment = search.experiment
@@ -385,7 +161,7 @@ def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Arr
     return errors
 
 
-def _found(search: Search, tried: _Tried, best: Candidate, problem: Problem, after: Fit
+def _found(search: Search, tried: Tried, best: Candidate, problem: Problem, after: Fit
            ) -> tuple[FoundEffect, ...]:
     draws = block_bootstrap(
         problem, after, segment_of_row(search.segments, len(search.experiment.time)))
@@ -411,7 +187,7 @@ def _found(search: Search, tried: _Tried, best: Candidate, problem: Problem, aft
     return tuple(found)
 
 
-def _rivals(name: str, rest: tuple[str, ...], tried: _Tried, best: Candidate) -> tuple[str, ...]:
+def _rivals(name: str, rest: tuple[str, ...], tried: Tried, best: Candidate) -> tuple[str, ...]:
     """Return the effects that could stand in the place of this one for all this record says."""
     rivals = []
     for candidate in tried.all:

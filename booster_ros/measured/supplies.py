@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..diagnosis.applicable import matters
+from ..diagnosis.applicable import free_to_refit
 from ..diagnosis.experiment import Experiment, rmse
-from ..diagnosis.fit import Fit, Problem, declared_freedom, effect_freedom, put
+from ..diagnosis.fit import Fit, Problem, effect_freedom, put
 from ..model.catalogue import EFFECTS
 from ..model.system import PositionerParameters
 from ..paper.printed import FLOW_UNIT
@@ -90,9 +90,8 @@ def best_fit(
     experiment: Experiment, declared: PositionerParameters, model: Model, rows: np.ndarray
 ) -> Fit:
     """Return the fit of the declared parameters and the model's effects to the marked rows."""
-    own = [free for free in declared_freedom(declared, experiment)
-           if matters(free.knob.parameter, experiment)
-           and not (model.gain and free.knob.parameter == 'booster.opening_gain')]
+    own = [free for free in free_to_refit(declared, experiment)
+           if not (model.gain and free.knob.parameter == 'booster.opening_gain')]
     added = [free for name in model.effects for free in effect_freedom(EFFECTS[name])]
     base = put(declared, 'booster.opening_gain', model.gain) if model.gain else declared
     problem = Problem(experiment, rows, base, (*own, *added))

@@ -1,0 +1,73 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Effects that the catalogue does not have, and two at once, hidden in a plant of other equations.
+
+One always runs, on a short record; with BOOSTER_ROS_ALL_SAMPLES in the environment all do.
+"""
+
+import json
+import os
+
+from hidden_plant import cases
+from hidden_plant.cases import Case, write_case
+from hidden_plant.effects import EFFECTS
+import pytest
+
+from booster_ros.programs.close_loop import main
+
+SLOW = pytest.mark.skipif(
+    'BOOSTER_ROS_ALL_SAMPLES' not in os.environ, reason='minutes: BOOSTER_ROS_ALL_SAMPLES=1')
+
+
+def diagnosis_of(effects, seconds, folder, monkeypatch, seed=11):
+    """Return the report on a record with these effects of medium size, judged on another."""
+    monkeypatch.setattr(cases, 'FIT_SECONDS', seconds)
+    monkeypatch.setattr(cases, 'VALIDATION_SECONDS', 40.0)
+    case = Case('hidden', tuple((key, EFFECTS[key].size('medium')) for key in effects), seed=seed)
+    write_case(case, folder)
+    status = main([
+        '--record', str(folder / 'hidden_fit.csv'), '--params', str(folder / 'hidden.yaml'),
+        '--validation', str(folder / 'hidden_val.csv'), '--out', str(folder / 'out')])
+    assert status == 0
+    return json.loads((folder / 'out' / 'report.json').read_text())
+
+
+def errors_fall_to_the_noise(report, much=1.3):
+    """Assert that on the other record little more than noise is left, and much was before."""
+    for channel in report['validation'].values():
+        assert channel['after'] <= much * channel['noise']
+    assert any(c['before'] > 2.0 * c['after'] for c in report['validation'].values())
+
+
+@pytest.mark.parametrize(('effect', 'seconds', 'variable'), [
+    ('leak_opens_with_travel', 60.0, 'valve_position or chamber_pressure'),
+    pytest.param('spool_holes', 150.0, 'booster_force', marks=SLOW),
+    pytest.param('converter_creep', 150.0, None, marks=SLOW),
+])
+def test_what_has_no_name_is_unknown_in_its_place(
+        effect, seconds, variable, tmp_path, monkeypatch):
+    report = diagnosis_of((effect,), seconds, tmp_path, monkeypatch)
+    assert report['verdict'] == 'unknown'
+    assert [e['name'] for e in report['effects']] == ['unknown']
+    assert report['effects'][0]['location'] == EFFECTS[effect].location
+    if variable is not None:
+        assert report['unknown']['variable'] in variable.split(' or ')
+    errors_fall_to_the_noise(report)
+
+
+@pytest.mark.parametrize(('pair', 'seconds'), [
+    pytest.param(('booster_dead_band', 'position_backlash'), 60.0, marks=SLOW),
+    pytest.param(('tubing_restriction', 'ep_hysteresis'), 150.0, marks=SLOW),
+    pytest.param(('supply_ripple', 'chamber_leak'), 150.0, marks=SLOW),
+    pytest.param(('ep_hysteresis', 'spring_nonlinearity'), 150.0, marks=SLOW),
+])
+def test_two_effects_are_both_named(pair, seconds, tmp_path, monkeypatch):
+    report = diagnosis_of(pair, seconds, tmp_path, monkeypatch)
+    assert report['verdict'] == 'effect'
+    assert len(report['effects']) == 2
+    for key in pair:
+        assert any(set(EFFECTS[key].names) & {e['name'], *e['confused_with']}
+                   for e in report['effects'])
+        assert EFFECTS[key].location in {e['location'] for e in report['effects']}
+    errors_fall_to_the_noise(report)
