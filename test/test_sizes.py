@@ -109,6 +109,18 @@ def test_two_sizes_of_which_only_the_sum_is_known_stand_together():
     assert undetermined(problem, draws, fit, 'booster_dead_band') == ''
 
 
+def test_they_stand_also_where_the_fit_gave_all_of_it_to_one():
+    share = 3.0 * RNG.standard_normal((400, 1))
+    draws = np.hstack([1.0 + share, -share]) + 0.05 * RNG.standard_normal((400, 2))
+    problem, draws, fit = made_fit('booster_dead_band', [1.0, 1e-6], draws)
+    assert np.quantile(draws[:, 0], 0.1) < 0.0
+    assert undetermined(problem, draws, fit, 'booster_dead_band') == ''
+    nothing = np.hstack([share, -share]) + 0.05 * RNG.standard_normal((400, 2))
+    problem, draws, fit = made_fit('booster_dead_band', [1e-6, 0.01], nothing)
+    assert undetermined(
+        problem, draws, fit, 'booster_dead_band') == 'its size is not told from none'
+
+
 def test_a_size_that_moves_nothing_is_not_told_from_none():
     still = np.zeros((len(TIME), 6))
     problem, draws, fit = made_fit(

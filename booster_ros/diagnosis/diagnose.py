@@ -92,14 +92,17 @@ def _conclude(search: Search, tried: Tried, unnamed: Candidate | None, notes: tu
         'before': experiment.predict(before.parameters, before.initial),
         'after': experiment.predict(after.parameters, after.initial),
     }
-    suspects = [Suspect(c.effects, c.misfit, tried.reasons[c.effects])
-                for c in sorted(tried.all, key=lambda c: c.score)]
+    best_of: dict[frozenset[str], Candidate] = {}
+    for one in sorted(tried.all, key=lambda c: c.score):
+        best_of.setdefault(frozenset(one.effects), one)
+    suspects = [Suspect(c.effects, c.misfit, tried.reasons[effects])
+                for effects, c in best_of.items()]
     if unnamed is not None:
         fate = 'chosen: structure that no named effect predicts' if verdict == 'unknown' else (
             'not clearly better than the named effects')
         if verdict == 'unknown':  # what was chosen among the named is not what is reported
             suspects = [replace(s, reason='the best of the named, which explain less')
-                        if s.effects and s.effects == tried.chosen.effects else s
+                        if s.effects and set(s.effects) == set(tried.chosen.effects) else s
                         for s in suspects]
         suspects.insert(0, Suspect(unnamed.effects, unnamed.misfit, fate))
     held_out = _errors(experiment, runs, locked)

@@ -88,13 +88,15 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
 
     An effect stands if the neutral values of its own sizes lie outside the region that holds 95 %
     of their draws, and if none has run into its bound: then something else is imitated. The region
-    is that of all sizes together: two that do the same may each be anything, their sum may not.
+    is that of all sizes together: two that do the same may each be anything, their sum may not,
+    even where the fit gave all of it to one of them. What would not show at its typical size, nor
+    as it stands, has no say.
     """
     own = own_sizes(effect)
-    seen = fit.seen
+    shows = fit.seen | (np.linalg.norm(fit.jacobian, axis=0) > 1.0)
     sizes = [j for j, free in enumerate(problem.freedoms)
-             if free.knob.parameter in own and seen[j]]
-    if not sizes or _holds_zero(draws[:, sizes], fit.z[sizes]):
+             if free.knob.parameter in own and shows[j]]
+    if not fit.seen[sizes].any() or _holds_zero(draws[:, sizes], fit.z[sizes]):
         return 'its size is not told from none'
     stuck = [problem.freedoms[j] for j in sizes if _at_bound(problem.freedoms[j], fit.z[j])]
     return f'{stuck[0].knob.parameter} runs into its bound' if stuck else ''

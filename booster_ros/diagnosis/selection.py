@@ -35,7 +35,7 @@ class Tried:
     refit: Candidate
     chosen: Candidate
     all: tuple[Candidate, ...]
-    reasons: dict[tuple[str, ...], str]
+    reasons: dict[frozenset[str], str]
 
     @property
     def held_out(self) -> Candidate:
@@ -66,9 +66,10 @@ def select(search: Search, tell: Progress) -> Tried:
     everything += compared
     chosen = compared[0]
     chosen = _pruned(search, chosen, everything)
-    reasons = {c.effects: _reason(c, chosen) for c in everything}
-    reasons[chosen.effects] = 'chosen'
-    reasons[()] = 'the declared model, refitted'
+    reasons = {frozenset(c.effects): _reason(c, chosen)
+               for c in sorted(everything, key=lambda c: c.score, reverse=True)}
+    reasons[frozenset(chosen.effects)] = 'chosen'
+    reasons[frozenset()] = 'the declared model, refitted'
     return Tried(refit, chosen, tuple(everything), reasons)
 
 
