@@ -2,16 +2,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parts of the diagnosis on small made records: starts, sweeps, lines in a residual, cascades."""
 
+from dataclasses import replace
+
+from made_diagnosis import BENT, DECLARED, record_of, timed_columns, unknown_found
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.cascade import above_the_stem, shows_above_the_stem
-from booster_ros.diagnosis.diagnose import _doubts
+from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem, declared_freedom
+from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
 from booster_ros.diagnosis.segments import split_sweep
+from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure, PositionerParameters
@@ -122,6 +127,23 @@ def test_effects_above_the_stem(effect, shows):
 def test_a_locked_part_that_speaks_against_the_choice_is_said():
     better = ChannelError('Pa', 900.0, 400.0, 160.0, 150.0)
     worse = ChannelError('m', 9e-5, 4e-5, 6e-5, 8e-6)
-    sentences = _doubts({'chamber_pressure': better, 'valve_position': worse})
+    sentences = doubts({'chamber_pressure': better, 'valve_position': worse}, 'the locked part')
     assert len(sentences) == 1
     assert 'valve_position rises from 4e-05 to 6e-05 m' in sentences[0]
+    assert sentences[0].startswith('on the locked part')
+
+
+def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error():
+    found = unknown_found()
+    within = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
+    assert validated(found, within).notes == found.notes
+
+    narrow = replace(found.unknown, knots=np.linspace(0.004, 0.010, len(found.unknown.knots)))
+    notes = validated(replace(found, unknown=narrow), within).notes
+    seen = within.measured['valve_position']
+    share = np.mean((seen < narrow.knots[1]) | (seen > narrow.knots[-2]))
+    assert notes[-1].startswith(f'{100.0 * share:.0f} % of the other record lies beyond the valve_')
+
+    another = prepare(record_of(timed_columns()), DECLARED)
+    sentences = validated(found, another).notes[len(found.notes):]
+    assert any(s.startswith('on the other record the error of valve_pos') for s in sentences)

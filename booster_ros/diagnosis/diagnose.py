@@ -111,15 +111,15 @@ def _conclude(search: Search, tried: Tried, unnamed: Candidate | None, notes: tu
         verdict, effects, table, _errors(experiment, runs, rows), held_out, tuple(suspects),
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
-        (*notes, *_doubts(held_out), *_cornered(refitted)))
+        (*notes, *doubts(held_out, 'the locked part'), *_cornered(refitted)))
 
 
-def _doubts(held_out: dict[str, ChannelError]) -> tuple[str, ...]:
-    """Return a sentence for each channel in which the locked part speaks against the choice."""
+def doubts(errors: dict[str, ChannelError], part: str) -> tuple[str, ...]:
+    """Return a sentence for each channel in which a part not fitted speaks against the choice."""
     return tuple(
-        f'on the locked part the error of {name} rises from {error.before:.3g} to '
+        f'on {part} the error of {name} rises from {error.before:.3g} to '
         f'{error.after:.3g} {error.unit} with what was added: trust it less'
-        for name, error in held_out.items() if error.after > WORSE * max(error.before, error.noise))
+        for name, error in errors.items() if error.after > WORSE * max(error.before, error.noise))
 
 
 def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:

@@ -147,7 +147,12 @@ class _Begun:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The task: experiment, segments, declared parameters and their freedom."""
+    """
+    The task: experiment, segments, declared parameters and their freedom.
+
+    `names` are the effects to try, `thinning` how many rows a fit takes one of. What the methods
+    return is scaled: residuals in standard deviations of the noise, costs in squares of that.
+    """
 
     experiment: Experiment
     segments: list[Segment]
@@ -177,7 +182,11 @@ class Search:
         return Problem(experiment, rows, self.declared, self.freedoms)
 
     def rate(self, effects: tuple[str, ...], problem: Problem, fit: Fit) -> Candidate:
-        """Return the fit as a candidate, scored on the select segments."""
+        """
+        Return the fit as a candidate, scored on every row of the select segments.
+
+        The score is infinite where the model cannot run.
+        """
         predicted = self.on(problem, ('select',), 1).predict(fit.z)
         sums, samples = [], 0
         for segment in self.segments:
@@ -202,7 +211,7 @@ class Search:
         return self.rate((), problem, problem.fit(evaluations=EVALUATIONS))
 
     def joint(self, problem: Problem, effects: tuple[str, ...]) -> Problem:
-        """Return the problem with all these effects free."""
+        """Return the problem with all these effects free; KeyError for one not in the catalogue."""
         for name in effects:
             problem = with_effect(problem, EFFECTS[name])
         return problem

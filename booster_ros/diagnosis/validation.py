@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
+from booster_ros.diagnosis.diagnose import doubts
+from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.result import ChannelError, Diagnosis
 from booster_ros.model.system import PositionerParameters
@@ -15,6 +16,9 @@ Array = np.ndarray
 
 START = 5.0
 """Time from the beginning of the record that says where it starts, s."""
+
+WORTH_SAYING = 0.01
+"""Share of rows beyond a term's range from which that is said."""
 
 
 def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
@@ -26,15 +30,36 @@ def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
     for name, measured in experiment.measured.items():
         declared, before, after = (rmse(measured, run[name], everywhere) for run in runs)
         errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
-    return replace(diagnosis, validation=errors)
+    added = doubts(errors, 'the other record')
+    return replace(diagnosis, validation=errors, notes=(
+        *diagnosis.notes, *added, *_beyond(diagnosis, experiment)))
+
+
+def _beyond(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
+    """Return a sentence where a term without a name is asked for what it has not seen."""
+    unknown = diagnosis.unknown
+    if unknown is None:
+        return ()
+    start = _start(experiment, diagnosis.after)
+    seen = experiment.simulate(diagnosis.after, start)[unknown.variable]
+    share = float(np.mean((seen < unknown.knots[1]) | (seen > unknown.knots[-2])))
+    if share < WORTH_SAYING:
+        return ()
+    return (f'{100.0 * share:.0f} % of the other record lies beyond the {unknown.variable} in '
+            'which the term without a name was seen: it fades to zero there',)
 
 
 def predicted_from_start(
     experiment: Experiment, parameters: PositionerParameters
 ) -> dict[str, Array]:
     """Return what the model reads when nothing but its start is fitted, to the first seconds."""
+    return experiment.predict(parameters, _start(experiment, parameters))
+
+
+def _start(experiment: Experiment, parameters: PositionerParameters) -> Initial:
+    """Return the start that suits the first seconds of the record best."""
     rows = experiment.time <= experiment.time[0] + START
     problem = Problem(experiment, rows, parameters, ())
     start = problem.fit().z if problem.nuisances and not experiment.quasi_static else (
         problem.start())
-    return experiment.predict(parameters, problem.initial(start, parameters))
+    return problem.initial(start, parameters)
