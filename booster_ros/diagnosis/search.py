@@ -66,7 +66,10 @@ WORTH_POLISHING = 0.01
 the most, while that lowers their cost by this share."""
 
 FEWEST = 3
-"""So many are fitted even if their screening looks hopeless beside the best."""
+"""
+So many are fitted even if their screening looks hopeless beside the best; not the slow ones, of a
+stem that sticks, once one has reached the noise.
+"""
 
 WORTH_ADDING = 0.05
 """An effect must lower the score by this share: less is below what noise and rounding hide."""
@@ -294,9 +297,12 @@ class Search:
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             screened = sorted(pool.map(one, names), key=lambda s: s.cost)
         begun: list[_Begun] = []
-        for k, quick in enumerate(screened[:PROMISING]):
-            if quick.cost < worth and (k < FEWEST or quick.cost < HOPELESS * screened[0].cost):
+        fitted = 0
+        for quick in screened[:PROMISING]:
+            hopeful = quick.cost < HOPELESS * screened[0].cost
+            if quick.cost < worth and (hopeful or (fitted < FEWEST and not _waste(quick, begun))):
                 begun += self._from_each_start(quick)
+                fitted += 1
             tick()
         return begun
 
@@ -347,6 +353,13 @@ class Search:
         lower = [n for n in names if not cascade.shows_above_the_stem(n)]
         worth = (1.0 - WORTH_ADDING) * parent.fit.cost
         return begun + self._begun(parent.problem, parent.fit, lower, tick, worth, few=True)
+
+
+def _waste(quick: Screened, begun: 'list[_Begun]') -> bool:
+    """Tell whether a hopeless effect is slow to fit and another one has reached the noise."""
+    reached = any(one.fit.cost < NEAR_NOISE * one.problem.rows_counted() for one in begun)
+    return reached and any(
+        has_dry_friction(quick.problem.parameters(z).actuator) for z in quick.starts)
 
 
 def polished(problem: Problem, fit: Fit) -> Fit:
