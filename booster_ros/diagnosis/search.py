@@ -297,12 +297,12 @@ class Search:
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             screened = sorted(pool.map(one, names), key=lambda s: s.cost)
         begun: list[_Begun] = []
-        fitted = 0
+        count = 0
         for quick in screened[:PROMISING]:
             hopeful = quick.cost < HOPELESS * screened[0].cost
-            if quick.cost < worth and (hopeful or (fitted < FEWEST and not _waste(quick, begun))):
+            if quick.cost < worth and (hopeful or (count < FEWEST and not _waste(quick, begun))):
                 begun += self._from_each_start(quick)
-                fitted += 1
+                count += 1
             tick()
         return begun
 
