@@ -11,11 +11,14 @@ import pytest
 from booster_ros.diagnosis.cascade import above_the_stem, shows_above_the_stem
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import START, Problem, declared_freedom
+from booster_ros.diagnosis.fit import START, Problem, declared_freedom, put
+from booster_ros.diagnosis.nameless import best_term
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
-from booster_ros.diagnosis.segments import split_sweep
+from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.segments import split, split_sweep
+from booster_ros.diagnosis.selection import select
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
@@ -147,3 +150,25 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error(
     another = prepare(record_of(timed_columns()), DECLARED)
     sentences = validated(found, another).notes[len(found.notes):]
     assert any(s.startswith('on the other record the error of valve_pos') for s in sentences)
+
+
+def test_what_only_the_select_segments_teach_is_nothing_missing():
+    """One select segment needs the largest opening, no fit segment does: it is a little off."""
+    plant = put(P, 'booster.max_area', 0.93 * P.booster.max_area)
+    level = np.array([4.3, 4.5, 4.3, 4.5, 3.4, 3.6, 3.8, 4.0, 4.2, 4.4, 4.3, 4.4, 4.3, 4.4, 4.3])
+    time = np.arange(0.0, 5.0 * len(level), 0.02)
+    current = 1e-4 * level[(time // 5.0).astype(int)]
+    run = simulate(plant, time, current, {'chamber_pressure': 1.9e5})
+    rng = np.random.default_rng(4)
+    noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+    measured = {n: run[f'measured_{n}'] + s * rng.standard_normal(len(time))
+                for n, s in noise.items()}
+    experiment = Experiment(time, current, measured, noise, {}, Initial(1.9e5))
+    segments = split(time, current)
+    assert next(s for s in segments if s.first <= 1001 < s.last).role == 'select'
+    search = Search(experiment, segments, P, tuple(declared_freedom(P, experiment)), ())
+    tried = select(search, lambda *_: None)
+    assert tried.refit.misfit > 1.3
+    assert tried.chosen.effects == ()
+    assert tried.chosen.misfit < 1.1
+    assert best_term(search, tried) is None

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 import itertools
 
+import numpy as np
+
 from booster_ros.diagnosis.cascade import shows_above_the_stem
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.search import (
@@ -20,6 +22,9 @@ PLAUSIBLE = 12.0
 
 WELL_EXPLAINED = 1.5
 """Mean square misfit up to which named effects count as the whole explanation."""
+
+PATCH = 1.3
+"""Mean square misfit of a single segment up to which it is noise."""
 
 ALIKE = 10.0
 """Cost by screening, relative to the choice, up to which another effect may be its equal."""
@@ -50,7 +55,12 @@ def select(search: Search, tell: Progress) -> Tried:
     chosen = refit
     parent = refit
     for level in range(MOST_EFFECTS):
-        if _explained(chosen, refit) or _fits_all(search, chosen):
+        if _explained(chosen, refit):
+            break
+        taught = _taught(search, chosen)
+        if taught is not None:
+            chosen = taught
+            everything.append(taught)
             break
         ranked = _round(search, parent, level, tell)
         everything += ranked
@@ -58,7 +68,8 @@ def select(search: Search, tell: Progress) -> Tried:
             chosen = ranked[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
             break
-        parent = ranked[0]
+        # of two effects either alone may look like none, or be at a bound: what explains most leads
+        parent = chosen if chosen is ranked[0] else min(ranked, key=lambda c: c.score)
     chosen = _exchanged(search, chosen, everything, tell)
     chosen = _backward(search, chosen, everything)
     tell('comparing those nearest to each other', 0.78)
@@ -94,17 +105,22 @@ def _explained(chosen: Candidate, refit: Candidate) -> bool:
         bool(chosen.effects) or fitted)
 
 
-def _fits_all(search: Search, chosen: Candidate) -> bool:
+def _taught(search: Search, chosen: Candidate) -> Candidate | None:
     """
-    Tell whether the effects so far leave noise once the select segments are fitted as well.
+    Return the same model fitted to the select segments as well, if that leaves noise.
 
     Then these showed what the fit segments could not teach, a limit that none of them reached, say,
-    and nothing is missing. Not where the stem sticks: that fit takes minutes.
+    and nothing is missing. It must be noise in each of them: what shows in few is no noise. Not
+    where the stem sticks: that fit takes minutes.
     """
-    if not chosen.effects or has_dry_friction(chosen.fit.parameters.actuator):
-        return False
+    if has_dry_friction(chosen.fit.parameters.actuator):
+        return None
     both = search.on_both(chosen, search.thinning)
-    return both.fit.cost < NEAR_NOISE * both.problem.rows_counted() and both.prior < PLAUSIBLE
+    sizes = [s.last - s.first for s in search.segments if s.role == 'select']
+    per_row = both.samples / max(sum(sizes), 1)
+    noise = both.fit.cost < NEAR_NOISE * both.problem.rows_counted() and (
+        both.by_segment < PATCH * per_row * np.array(sizes)).all()
+    return both if noise and both.prior < PLAUSIBLE else None
 
 
 def _idealised(chosen: Candidate, refit: Candidate) -> bool:
