@@ -16,7 +16,8 @@ declared parameters can imitate part of it. So what they can imitate is projecte
    steps): what they reach is no promise but a cost that was simulated. Not where the stem sticks:
    slips that come and go are nothing to follow, and slow.
 
-Where they end, around each reference, is where a joint fit begins.
+Where they end, around each reference, is where a joint fit begins; also where they began, if they
+did not keep what linear reckoning promised there.
 """
 
 from dataclasses import dataclass
@@ -53,7 +54,7 @@ class Screened:
     """
     An effect, the problem with it added, where to fit from (best first), the costs there.
 
-    A cost is the lower of what was simulated there and what linear reckoning promises.
+    A cost was simulated there, or is what linear reckoning promised and the steps did not keep.
     """
 
     effect: str
@@ -74,22 +75,22 @@ def with_effect(problem: Problem, effect: Effect) -> Problem:
     return Problem(problem.experiment, problem.rows, problem.base, problem.freedoms + added)
 
 
-def with_sizes(problem: Problem, z: Array, e: Array) -> Array:
+def _with_sizes(problem: Problem, z: Array, e: Array) -> Array:
     """Return z with the effect's variables between parameters and the start's."""
     size = len(z) - problem.nuisances
     return np.concatenate([z[:size], e, z[size:]])
 
 
-def no_size(free: tuple[Free, ...]) -> Array:
+def _no_size(free: tuple[Free, ...]) -> Array:
     """Return the variables of an effect of no size, its shapes at their typical values."""
     return np.array([f.without_size for f in free])
 
 
-def sizes_to_try(free: tuple[Free, ...], frequencies: Array, few: bool) -> list[Array]:
+def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, few: bool) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
         return _oscillations(free, frequencies)
-    neutral = no_size(free)
+    neutral = _no_size(free)
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
     steps = [size * sign for size in ((1.0,) if few else SIZES) for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
@@ -116,7 +117,7 @@ def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
     trials = []
     for frequency in frequencies:
         for phase in (0.0, 1.571, 3.142, -1.571):
-            e = no_size(free)
+            e = _no_size(free)
             e[names.index('supply.ripple')] = 0.5
             e[names.index('supply.ripple_frequency')] = free[
                 names.index('supply.ripple_frequency')].variable(frequency)
@@ -194,7 +195,7 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
     costs: list[float] = []
     for reference in around:
         best, lowest = None, float('inf')
-        for trial in sizes_to_try(free, frequencies, few):
+        for trial in _sizes_to_try(free, frequencies, few):
             cost, z = _along(problem, joint, reference, trial)
             if cost < lowest:
                 best, lowest = z, cost
@@ -216,9 +217,9 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
 def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
            ) -> tuple[Array, Array]:
     """Return what remains of the residuals at sizes e when all else reacts, and z there."""
-    r = joint.residuals(with_sizes(problem, reference.z, e))
+    r = joint.residuals(_with_sizes(problem, reference.z, e))
     step = -reference.solver @ r
-    return r + reference.jacobian @ step, with_sizes(problem, reference.z + step, e)
+    return r + reference.jacobian @ step, _with_sizes(problem, reference.z + step, e)
 
 
 def _along(problem: Problem, joint: Problem, reference: Reference, e: Array
@@ -227,7 +228,7 @@ def _along(problem: Problem, joint: Problem, reference: Reference, e: Array
     free = joint.freedoms[len(problem.freedoms):]
     low = np.array([f.low for f in free])
     high = np.array([f.high for f in free])
-    neutral = no_size(free)
+    neutral = _no_size(free)
     left, z = _reach(problem, joint, reference, e)
     cost = float(left @ left)
     change = left - reference.left
