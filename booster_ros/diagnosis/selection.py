@@ -57,7 +57,7 @@ def select(search: Search, tell: Progress) -> Tried:
     for level in range(MOST_EFFECTS):
         if _explained(chosen, refit):
             break
-        taught = _taught(search, chosen)
+        taught = _taught(search, chosen) if chosen is parent else None  # else asked a round ago
         if taught is not None:
             chosen = taught
             everything.append(taught)
