@@ -1,3 +1,14 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command-line programs: arguments, progress and printing around the packages beside them."""
+"""
+The programs: arguments in, files and sentences out.
+
+They put whole simulations side by side on the cores. Threads of the linear algebra beneath them
+would wait for each other on those cores instead, so it gets one, unless the user set another
+number; that is read when numpy is first imported, and this package comes before.
+"""
+
+import os
+
+for _library in ('OPENBLAS', 'OMP', 'MKL'):
+    os.environ.setdefault(f'{_library}_NUM_THREADS', '1')
