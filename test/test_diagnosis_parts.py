@@ -16,7 +16,7 @@ from booster_ros.diagnosis.nameless import best_term
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
-from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.search import NEAR_NOISE, Search
 from booster_ros.diagnosis.segments import split, split_sweep
 from booster_ros.diagnosis.selection import select
 from booster_ros.diagnosis.validation import validated
@@ -172,3 +172,30 @@ def test_what_only_the_select_segments_teach_is_nothing_missing():
     assert tried.chosen.effects == ()
     assert tried.chosen.misfit < 1.1
     assert best_term(search, tried) is None
+
+
+STEPS = np.array([3.6, 4.0, 4.4, 4.1, 3.7, 3.5, 3.8, 4.2, 4.4, 4.2, 3.9, 3.6, 3.9, 4.3, 4.0, 3.7])
+
+
+def searched(plant, names):
+    """Return what a search among these effects makes of 80 s of steps."""
+    time = np.arange(0.0, 5.0 * len(STEPS), 0.02)
+    current = 1e-4 * STEPS[(time // 5.0).astype(int)]
+    run = simulate(plant, time, current, {'chamber_pressure': 1.7e5})
+    rng = np.random.default_rng(5)
+    noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+    measured = {n: run[f'measured_{n}'] + s * rng.standard_normal(len(time))
+                for n, s in noise.items()}
+    experiment = Experiment(time, current, measured, noise, {}, Initial(1.7e5))
+    return select(Search(experiment, split(time, current), P,
+                         tuple(declared_freedom(P, experiment)), names), lambda *_: None)
+
+
+def test_an_effect_that_noise_could_be_is_seen_through_it():
+    """Its excess over the noise is less than what the level of noise is known to."""
+    names = ('chamber_leak', 'spring_nonlinearity', 'ep_hysteresis')
+    tried = searched(put(P, 'actuator.spring_bend', 80.0), names)
+    assert 1.03 < tried.refit.misfit < NEAR_NOISE
+    assert tried.chosen.effects == ('spring_nonlinearity',)
+    assert tried.chosen.fit.parameters.actuator.spring_bend == pytest.approx(80.0, rel=0.3)
+    assert searched(P, names).chosen.effects == ()

@@ -15,11 +15,11 @@ from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
-from booster_ros.diagnosis.nameless import best_term
+from booster_ros.diagnosis.nameless import best_term, preferable
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, NEAR_NOISE, Candidate, Search, clearly_better, gain, polished, told_apart)
+    EVALUATIONS, NEAR_NOISE, Candidate, Search, gain, polished, told_apart)
 from booster_ros.diagnosis.segments import rows_of, segment_of_row, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, select
 from booster_ros.diagnosis.unknown import LOCATION_NAMES
@@ -77,8 +77,7 @@ def _conclude(search: Search, tried: Tried, unnamed: Candidate | None, notes: tu
     verdict, best = 'none', tried.refit
     if tried.chosen.effects:
         verdict, best = 'effect', tried.chosen
-    if unnamed is not None and (
-            not tried.chosen.effects or clearly_better(unnamed, tried.held_out)):
+    if unnamed is not None and preferable(unnamed, tried):
         verdict, best = 'unknown', unnamed
     problem, after = _final(search, best)
     effects: tuple[FoundEffect, ...] = ()

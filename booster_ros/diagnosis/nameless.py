@@ -2,19 +2,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """When terms without a name compete with the named effects, and which of them is best."""
 
-from booster_ros.diagnosis.search import EVALUATIONS, Candidate, Search, clearly_better
+import numpy as np
+
+from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.search import (
+    EVALUATIONS, FIRST_EVALUATIONS, Candidate, Search, clearly_better)
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
 from booster_ros.diagnosis.unknown import linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
+
+Array = np.ndarray
 
 MOSTLY = 0.03
 """Share of the declared model's excess over noise below which no nameless term competes."""
 
 FORESEEN = 0.2
-"""Share of it below which no term over time competes: that says what was, not what comes."""
+"""Share of it below which a term over time must do more: it says what was, not what comes."""
+
+FAITHFUL = 3.0
+"""The misfit that it must reach then; and where nothing drives the record, none counts."""
+
+WITHIN_REACH = 2.0
+"""Terms are tried that reach a cost up to so many times the least, by linear reckoning."""
 
 LIKELY_TERMS = 4
-"""Terms without a name that are fitted: those that reach furthest by linear reckoning."""
+"""Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
 
 def best_term(search: Search, tried: Tried) -> Candidate | None:
@@ -28,22 +40,59 @@ def best_term(search: Search, tried: Tried) -> Candidate | None:
     if tried.chosen.misfit < WELL_EXPLAINED or (
             tried.chosen.effects and left < MOSTLY * declared):
         return None
-    foreseen = tried.chosen.effects and left < FORESEEN * declared
-    likely = [one for one in terms(search.experiment.channels)
-              if not (foreseen and one.variable == term.TIME)]
-    thin = tried.refit.problem
-    references = [thin.at(tried.refit.fit.z), thin.at(thin.start())]
-    reached = sorted(
-        ((*linear_reach(thin, reference, one), one) for reference in references
-         for one in likely), key=lambda found: found[0])
-    candidates: dict[str, Candidate] = {}
-    for _, z, move, joint, one in reached:
-        if one.label in candidates or len(candidates) >= LIKELY_TERMS:
-            continue
-        fit = joint.fit(moved(joint, z, move), evaluations=EVALUATIONS)
-        candidates[one.label] = search.rate((f'unknown: {one.label}',), joint, fit)
-    best = min(candidates.values(), key=lambda c: c.score)
+    foreseen = bool(tried.chosen.effects) and left < FORESEEN * declared
+    candidates = [search.rate((f'unknown: {label}',), joint, joint.fit(z, evaluations=EVALUATIONS))
+                  for label, joint, z in _likely(search, tried.refit, foreseen)]
+    if foreseen:
+        candidates = [one for one in candidates
+                      if not _over_time(one.problem) or one.misfit < FAITHFUL]
+    if not candidates:
+        return None
+    best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
         return best
-    together = [search.on_both(candidate, search.thinning) for candidate in candidates.values()]
+    together = [search.on_both(candidate, search.thinning) for candidate in candidates]
     return min(together, key=lambda c: c.fit.cost)
+
+
+def preferable(unnamed: Candidate, tried: Tried) -> bool:
+    """
+    Tell whether the term without a name is the verdict, and not the named effects chosen.
+
+    Several effects together bend to much that none of them is: where they leave structure, one
+    term in one place that leaves less is the more honest word.
+    """
+    named = tried.held_out
+    if not tried.chosen.effects or clearly_better(unnamed, named):
+        return True
+    return (len(tried.chosen.effects) > 1 and named.misfit > FAITHFUL
+            and unnamed.score < named.score)
+
+
+def _over_time(problem: Problem) -> bool:
+    return problem.base.discrepancy.variable == term.TIME
+
+
+def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:
+    """
+    Return the terms worth a whole fit: label, problem, and z to begin at.
+
+    Linear reckoning ranks them badly where a stem sits on its seat until it jumps; so the first
+    steps of a fit decide.
+    """
+    experiment, thin = search.experiment, refit.problem
+    still = np.ptp(experiment.current) == 0.0 and all(
+        np.ptp(drive) == 0.0 for drive in experiment.pinned.values())
+    likely = [one for one in terms(experiment.channels)
+              if not (foreseen and still and one.variable == term.TIME)]
+    references = [thin.at(refit.fit.z), thin.at(thin.start())]
+    reached = sorted(
+        ((*linear_reach(thin, reference, one), one.label) for reference in references
+         for one in likely), key=lambda found: found[0])
+    begun: dict[str, tuple[float, Problem, Array]] = {}
+    for cost, z, move, joint, label in reached:
+        if label not in begun and cost < WITHIN_REACH * reached[0][0]:
+            first = joint.fit(moved(joint, z, move), evaluations=FIRST_EVALUATIONS)
+            begun[label] = (first.cost, joint, first.z)
+    furthest = sorted(begun.items(), key=lambda one: one[1][0])[:LIKELY_TERMS]
+    return [(label, joint, z) for label, (_, joint, z) in furthest]

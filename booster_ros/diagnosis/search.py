@@ -16,7 +16,8 @@ named effects. Numbered as carried out:
 5. keep the best and go on from 2 for a second and a third effect while the score falls by more
    than one standard error (paired, over segments), by a share that matters, and by a third of
    what noise does not explain; where the stem sticks, what lies above it is sought with the stem
-   driven as measured (see cascade);
+   driven as measured (see cascade). Where noise could be all from the start, an effect must lower
+   the cost of the fit clearly as well;
 6. try every other effect in the place of each of several, then leave each out again;
 7. models near the choice are fitted to every row and compared once more (see rematch).
 """

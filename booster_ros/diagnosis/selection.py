@@ -29,6 +29,12 @@ PATCH = 1.3
 ALIKE = 10.0
 """Cost by screening, relative to the choice, up to which another effect may be its equal."""
 
+SURE = 40.0
+"""
+Where noise could be all, an effect must lower the cost of the fit by this as well. The best of the
+catalogue lowers that of a clean record by 5 to 10.
+"""
+
 CLEARED = 0.3
 """Of what is left above noise, the share that an effect may leave where little was left."""
 
@@ -52,24 +58,11 @@ def select(search: Search, tell: Progress) -> Tried:
     """Carry out steps 1 to 7 of the search."""
     refit = search.refit()
     everything = [refit]
-    chosen = refit
-    parent = refit
-    for level in range(MOST_EFFECTS):
-        if _explained(chosen, refit):
-            break
-        taught = _taught(search, chosen) if chosen is parent else None  # else asked a round ago
-        if taught is not None:
-            chosen = taught
-            everything.append(taught)
-            break
-        ranked = _round(search, parent, level, tell)
-        everything += ranked
-        if ranked and _adds(ranked[0], chosen, refit):
-            chosen = ranked[0]
-        elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
-            break
-        # of two effects either alone may look like none, or be at a bound: what explains most leads
-        parent = chosen if chosen is ranked[0] else min(ranked, key=lambda c: c.score)
+    noise = refit if _explained(refit, refit) else _taught(search, refit)
+    if noise is None:
+        chosen = _added(search, refit, everything, tell)
+    else:
+        chosen = _faint(search, refit, noise, everything, tell)
     chosen = _exchanged(search, chosen, everything, tell)
     chosen = _backward(search, chosen, everything)
     tell('comparing those nearest to each other', 0.78)
@@ -82,6 +75,48 @@ def select(search: Search, tell: Progress) -> Tried:
     reasons[frozenset(chosen.effects)] = 'chosen'
     reasons[frozenset()] = 'the declared model, refitted'
     return Tried(refit, chosen, tuple(everything), reasons)
+
+
+def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: Progress
+           ) -> Candidate:
+    """Return the model with effects added, one by one, as long as that is called for."""
+    chosen = parent = refit
+    for level in range(MOST_EFFECTS):
+        if level > 0:
+            if _explained(chosen, refit):
+                break
+            taught = _taught(search, chosen) if chosen is parent else None  # else asked before
+            if taught is not None:
+                everything.append(taught)
+                return taught
+        ranked = _round(search, parent, level, tell)
+        everything += ranked
+        if ranked and _adds(ranked[0], chosen, refit):
+            chosen = ranked[0]
+        elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
+            break
+        # of two effects either alone may look like none, or be at a bound: what explains most leads
+        parent = chosen if chosen is ranked[0] else min(ranked, key=lambda c: c.score)
+    return chosen
+
+
+def _faint(search: Search, refit: Candidate, noise: Candidate, everything: list[Candidate],
+           tell: Progress) -> Candidate:
+    """
+    Return the model with an effect that shows clearly though all could be noise, else `noise`.
+
+    The level of the noise is known to some percent only; what follows an effect's own trace in
+    segments it was fitted to, and in those it was not, is seen through it.
+    """
+    ranked = _round(search, refit, 0, tell, worth=refit.fit.cost - SURE)
+    everything += ranked
+    shown = [one for one in ranked if not one.fault and clearly_better(one, refit)
+             and one.fit.cost < refit.fit.cost - SURE]
+    if shown:
+        return shown[0]
+    if noise is not refit:
+        everything.append(noise)
+    return noise
 
 
 def _patience(chosen: Candidate) -> int:
@@ -134,8 +169,9 @@ def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:
         not _idealised(chosen, refit) or better.misfit - 1.0 < CLEARED * (chosen.misfit - 1.0))
 
 
-def _round(search: Search, parent: Candidate, level: int, tell: Progress) -> list[Candidate]:
-    """Return the models with one effect more than the parent, best first."""
+def _round(search: Search, parent: Candidate, level: int, tell: Progress, worth: float = np.inf
+           ) -> list[Candidate]:
+    """Return the models with one effect more than the parent, best first; `worth` as in extend."""
     steps = len(search.names) + PROMISING + FINALISTS
     done = itertools.count(1)
 
@@ -143,7 +179,7 @@ def _round(search: Search, parent: Candidate, level: int, tell: Progress) -> lis
         share = min(next(done) / steps, 1.0)
         tell(f'trying effect {level + 1}', 0.05 + 0.2 * (level + share))
 
-    return search.extend(parent, tick)
+    return search.extend(parent, tick, worth=worth)
 
 
 def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress
