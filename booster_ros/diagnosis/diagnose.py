@@ -19,7 +19,7 @@ from booster_ros.diagnosis.nameless import best_term, preferable
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, NEAR_NOISE, Candidate, Search, gain, polished, told_apart)
+    EVALUATIONS, NEAR_NOISE, Candidate, Search, as_given, gain, polished, told_apart)
 from booster_ros.diagnosis.segments import rows_of, segment_of_row, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, select
 from booster_ros.diagnosis.unknown import LOCATION_NAMES
@@ -142,13 +142,7 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
         fit = polished(problem, fit)
     if not candidate.effects or fit.cost < NEAR_NOISE * problem.rows_counted():
         return problem, problem.without_unseen(fit)
-    fresh = fit.z.copy()
-    fresh[:len(search.freedoms)] = 0.0
-    fresh[len(problem.freedoms):] = 0.0
-    for j, free in enumerate(problem.freedoms):
-        if free.knob.shape:
-            fresh[j] = free.without_size
-    again = problem.fit(fresh, evaluations=EVALUATIONS)
+    again = problem.fit(as_given(problem, fit.z), evaluations=EVALUATIONS)
     return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
 
 

@@ -31,7 +31,7 @@ import numpy as np
 
 from booster_ros.diagnosis import cascade
 from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import Fit, Free, Problem
+from booster_ros.diagnosis.fit import BENCH, Fit, Free, Problem
 from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
 from booster_ros.diagnosis.screening import (
     Screened, references, screen, strong_frequencies, with_effect)
@@ -233,9 +233,18 @@ class Search:
         return np.concatenate([body, first.fit.z[len(first.problem.freedoms):]])
 
     def without(self, chosen: Candidate, rest: tuple[str, ...]) -> Candidate:
-        """Return the model with these of the chosen effects only, fitted from what they were."""
+        """
+        Return the model with these of the chosen effects only, fitted from what they were.
+
+        Also with all else as given: it may have moved to where only the others held it. Not where
+        the stem sticks, as that takes long.
+        """
         problem = self.joint(self.problem(), rest)
-        begun = problem.fit(self.carried(problem, chosen), evaluations=EVALUATIONS)
+        z = self.carried(problem, chosen)
+        begun = problem.fit(z, evaluations=EVALUATIONS)
+        if not has_dry_friction(begun.parameters.actuator):
+            again = problem.fit(as_given(problem, z), evaluations=EVALUATIONS)
+            begun = min(begun, again, key=lambda fit: fit.cost)
         return self.rate(rest, problem, polished(problem, begun))
 
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
@@ -361,6 +370,18 @@ def _waste(quick: Screened, begun: 'list[_Begun]') -> bool:
     reached = any(one.fit.cost < NEAR_NOISE * one.problem.rows_counted() for one in begun)
     return reached and any(
         has_dry_friction(quick.problem.parameters(z).actuator) for z in quick.starts)
+
+
+def as_given(problem: Problem, z: Array) -> Array:
+    """Return z with the sizes of the effects alone: declared parameters and start as given."""
+    fresh = z.copy()
+    fresh[len(problem.freedoms):] = 0.0
+    for j, free in enumerate(problem.freedoms):
+        if np.isfinite(free.sigma) or free.knob.parameter in BENCH:
+            fresh[j] = 0.0
+        elif free.knob.shape:
+            fresh[j] = free.without_size
+    return fresh
 
 
 def polished(problem: Problem, fit: Fit) -> Fit:
