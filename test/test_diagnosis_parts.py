@@ -12,7 +12,7 @@ from booster_ros.diagnosis.cascade import above_the_stem, shows_above_the_stem
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem, declared_freedom, put
-from booster_ros.diagnosis.nameless import best_term
+from booster_ros.diagnosis.nameless import best_terms
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
@@ -171,7 +171,7 @@ def test_what_only_the_select_segments_teach_is_nothing_missing():
     assert tried.refit.misfit > 1.3
     assert tried.chosen.effects == ()
     assert tried.chosen.misfit < 1.1
-    assert best_term(search, tried) is None
+    assert best_terms(search, tried) == []
 
 
 STEPS = np.array([3.6, 4.0, 4.4, 4.1, 3.7, 3.5, 3.8, 4.2, 4.4, 4.2, 3.9, 3.6, 3.9, 4.3, 4.0, 3.7])

@@ -2,12 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """When a term without a name is the verdict."""
 
+from dataclasses import replace
+
+from made_diagnosis import DECLARED, record_of, timed_columns, unknown_found
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.fit import Problem, declared_freedom
 from booster_ros.diagnosis.nameless import preferable
+from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.search import Candidate, clearly_better
 from booster_ros.diagnosis.selection import Tried
+from booster_ros.diagnosis.unknown import terms, with_term
+from booster_ros.model import discrepancy as term
+from booster_ros.report.html_report import html_page
+from booster_ros.report.provenance import Provenance
+from booster_ros.report.wording import unknown_rivals, verdict_sentences
 
 SAMPLES = 1000
 UNNAMED = 'unknown: ep_converter over time'
@@ -47,3 +57,26 @@ def test_several_effects_that_leave_little_do_not_give_way():
 def test_where_no_name_was_found_a_term_is_the_verdict():
     refit = scored((), 40.0, 40.0, 40.0, 40.0)
     assert preferable(UNEVEN, Tried(refit, refit, (refit,), {}))
+
+
+def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():
+    experiment = prepare(record_of(timed_columns()), DECLARED)
+    rows = experiment.time < 0.6 * experiment.time[-1]
+    free = tuple(declared_freedom(DECLARED, experiment))
+    problem = Problem(experiment, rows, DECLARED, free)
+    over_time = next(one for one in terms(experiment.channels) if one.variable == term.TIME)
+    joint = with_term(problem, problem.at(problem.start()), over_time)
+    table = joint.base.discrepancy
+    spacing = (table.high - table.low) / (term.KNOTS - 1)
+    assert table.high <= experiment.time[rows][-1] + spacing
+    assert table.low <= experiment.time[0]
+
+
+def test_terms_that_do_as_well_are_said():
+    found = unknown_found()
+    assert unknown_rivals(found) == []
+    effect = replace(found.effects[0], confused_with=('supply over time',))
+    rivalled = replace(found, effects=(effect,))
+    said = 'A term in supply over time explains this record as well.'
+    assert said in verdict_sentences(rivalled)
+    assert said in html_page(rivalled, Provenance('valve.csv', 'declared.yaml', ''))

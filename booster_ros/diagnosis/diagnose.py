@@ -15,14 +15,14 @@ from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
-from booster_ros.diagnosis.nameless import best_term, preferable
+from booster_ros.diagnosis.nameless import best_terms, preferable
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
     EVALUATIONS, NEAR_NOISE, Candidate, Search, as_given, gain, polished, told_apart)
 from booster_ros.diagnosis.segments import rows_of, segment_of_row, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, select
-from booster_ros.diagnosis.unknown import LOCATION_NAMES
+from booster_ros.diagnosis.unknown import LOCATION_NAMES, UNNAMED
 from booster_ros.model import discrepancy as term
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
@@ -60,14 +60,14 @@ def diagnose(
     tell('refitting the declared parameters', 0.02)
     tried = select(search, tell)
     tell('looking for a discrepancy without a name', 0.8)
-    unnamed = best_term(search, tried)
+    unnamed = best_terms(search, tried)
     tell('final fit and intervals', 0.92)
     result = _conclude(search, tried, unnamed, notes)
     tell('done', 1.0)
     return result
 
 
-def _conclude(search: Search, tried: Tried, unnamed: Candidate | None, notes: tuple[str, ...]
+def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tuple[str, ...]
               ) -> Diagnosis:
     """Refit on all but the locked part, open that part once, and collect the numbers."""
     experiment = search.experiment
@@ -77,15 +77,15 @@ def _conclude(search: Search, tried: Tried, unnamed: Candidate | None, notes: tu
     verdict, best = 'none', tried.refit
     if tried.chosen.effects:
         verdict, best = 'effect', tried.chosen
-    if unnamed is not None and preferable(unnamed, tried):
-        verdict, best = 'unknown', unnamed
+    if unnamed and preferable(unnamed[0], tried):
+        verdict, best = 'unknown', unnamed[0]
     problem, after = _final(search, best)
     effects: tuple[FoundEffect, ...] = ()
     table = None
     if verdict == 'effect':
         effects = _found(search, tried, best, problem, after)
     elif verdict == 'unknown':
-        effects, table = _found_unknown(best, after)
+        effects, table = _found_unknown(unnamed, after)
     runs = {
         'declared': experiment.predict(search.declared),
         'before': experiment.predict(before.parameters, before.initial),
@@ -96,14 +96,16 @@ def _conclude(search: Search, tried: Tried, unnamed: Candidate | None, notes: tu
         best_of.setdefault(frozenset(one.effects), one)
     suspects = [Suspect(c.effects, c.misfit, tried.reasons[effects])
                 for effects, c in best_of.items()]
-    if unnamed is not None:
+    if unnamed:
         fate = 'chosen: structure that no named effect predicts' if verdict == 'unknown' else (
             'not clearly better than the named effects')
         if verdict == 'unknown':  # what was chosen among the named is not what is reported
             suspects = [replace(s, reason='the best of the named, which explain less')
                         if s.effects and set(s.effects) == set(tried.chosen.effects) else s
                         for s in suspects]
-        suspects.insert(0, Suspect(unnamed.effects, unnamed.misfit, fate))
+        suspects = [Suspect(unnamed[0].effects, unnamed[0].misfit, fate),
+                    *(Suspect(one.effects, one.misfit, 'not told apart from the one above')
+                      for one in unnamed[1:]), *suspects]
     held_out = _errors(experiment, runs, locked)
     refitted = _refitted(before, after, search)
     return Diagnosis(
@@ -195,7 +197,8 @@ def _rivals(name: str, rest: tuple[str, ...], tried: Tried, best: Candidate) -> 
     return tuple(dict.fromkeys(rivals))
 
 
-def _found_unknown(best: Candidate, after: Fit) -> tuple[tuple[FoundEffect, ...], UnknownTerm]:
+def _found_unknown(alike: list[Candidate], after: Fit
+                   ) -> tuple[tuple[FoundEffect, ...], UnknownTerm]:
     table = after.parameters.discrepancy
     location = term.LOCATIONS[table.location]
     knots = np.linspace(table.low, table.high, term.KNOTS)
@@ -204,9 +207,9 @@ def _found_unknown(best: Candidate, after: Fit) -> tuple[tuple[FoundEffect, ...]
         term.LOCATION_UNITS[table.location], knots, np.array(table.values))
     name = LOCATION_NAMES.get(location, location)
     effect = FoundEffect(
-        'unknown', name, {}, (),
+        'unknown', name, {}, tuple(one.effects[0].removeprefix(UNNAMED) for one in alike[1:]),
         f'vary {term.VARIABLES[table.variable]} alone, with the channels on both sides of '
-        f'{name} recorded', {'misfit_with': best.misfit})
+        f'{name} recorded', {'misfit_with': alike[0].misfit})
     return (effect,), unknown
 
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, FIRST_EVALUATIONS, Candidate, Search, clearly_better)
+    EVALUATIONS, FIRST_EVALUATIONS, TOO_SIMILAR, Candidate, Search, clearly_better, told_apart)
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
-from booster_ros.diagnosis.unknown import linear_reach, moved, terms
+from booster_ros.diagnosis.unknown import UNNAMED, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
 
 Array = np.ndarray
@@ -29,9 +29,12 @@ LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
 
-def best_term(search: Search, tried: Tried) -> Candidate | None:
+def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     """
-    Return the best model with a tabulated term, None where named effects explain the record.
+    Return the best model with a tabulated term, then those that this record cannot tell from it.
+
+    None where named effects explain the record. Of those not told apart the first is the one whose
+    kind comes first in unknown.terms: converters creep and drift more often than supplies sag.
 
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
@@ -39,20 +42,21 @@ def best_term(search: Search, tried: Tried) -> Candidate | None:
     left, declared = tried.held_out.misfit - 1.0, tried.refit.misfit - 1.0
     if tried.chosen.misfit < WELL_EXPLAINED or (
             tried.chosen.effects and left < MOSTLY * declared):
-        return None
+        return []
     foreseen = bool(tried.chosen.effects) and left < FORESEEN * declared
-    candidates = [search.rate((f'unknown: {label}',), joint, joint.fit(z, evaluations=EVALUATIONS))
+    candidates = [search.rate((UNNAMED + label,), joint, joint.fit(z, evaluations=EVALUATIONS))
                   for label, joint, z in _likely(search, tried.refit, foreseen)]
     if foreseen:
         candidates = [one for one in candidates
                       if not _over_time(one.problem) or one.misfit < FAITHFUL]
     if not candidates:
-        return None
+        return []
     best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
-        return best
+        return [one for one in candidates if not told_apart(one, best)]
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
-    return min(together, key=lambda c: c.fit.cost)
+    least = min(one.fit.cost for one in together)
+    return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
 
 
 def preferable(unnamed: Candidate, tried: Tried) -> bool:
@@ -75,7 +79,7 @@ def _over_time(problem: Problem) -> bool:
 
 def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:
     """
-    Return the terms worth a whole fit: label, problem, and z to begin at.
+    Return the terms worth a whole fit, in the order of unknown.terms: label, problem, first z.
 
     Linear reckoning ranks them badly where a stem sits on its seat until it jumps; so the first
     steps of a fit decide.
@@ -94,5 +98,5 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
         if label not in begun and cost < WITHIN_REACH * reached[0][0]:
             first = joint.fit(moved(joint, z, move), evaluations=FIRST_EVALUATIONS)
             begun[label] = (first.cost, joint, first.z)
-    furthest = sorted(begun.items(), key=lambda one: one[1][0])[:LIKELY_TERMS]
-    return [(label, joint, z) for label, (_, joint, z) in furthest]
+    furthest = sorted(begun, key=lambda label: begun[label][0])[:LIKELY_TERMS]
+    return [(one.label, *begun[one.label][1:]) for one in likely if one.label in furthest]

@@ -30,6 +30,9 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
 )
 
+UNNAMED = 'unknown: '
+"""Before the label of a term, where models are listed by their effects."""
+
 LOCATION_NAMES = {'pressure_sensor': 'sensor', 'position_sensor': 'sensor'}
 """Locations as reports print them, where they differ from the table's."""
 
@@ -66,10 +69,10 @@ def terms(channels: tuple[str, ...]) -> list[Term]:
 
 
 def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
-    """Return the problem with the table's inner values free; the range is what the fit visits."""
+    """Return the problem with the table's inner values free, over the range of the fitted rows."""
     run = problem.experiment.simulate(reference.parameters, reference.initial)
     values = run[term.VARIABLES[one.variable]]
-    low, high = np.quantile(values[np.isfinite(values)], [0.002, 0.998])
+    low, high = np.quantile(values[problem.rows & np.isfinite(values)], [0.002, 0.998])
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
     table = Discrepancy(one.location, one.variable, float(low - spacing), float(high + spacing))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)

@@ -22,7 +22,7 @@ from booster_ros.report.tables import (
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.wording import (
     SCALING, capital, channel_label, effect_label, listing, place_label, unknown_experiment,
-    verdict_sentences, verdict_title)
+    unknown_rivals, verdict_sentences, verdict_title)
 
 _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',
@@ -220,11 +220,13 @@ def _undecided(diagnosis: Diagnosis) -> str:
     items = []
     for effect in diagnosis.effects:
         rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
-        if effect.confused_with:
+        if diagnosis.unknown is not None:
+            items.append(' '.join([
+                *unknown_rivals(diagnosis),
+                f'To find its cause: {unknown_experiment(diagnosis.unknown)}.']))
+        elif effect.confused_with:
             items.append(f'{capital(effect_label(effect.name))} or {rivals}? This record '
                          f'cannot decide. It would take: {effect.separating_experiment}.')
-        elif diagnosis.unknown is not None:
-            items.append(f'To find its cause: {unknown_experiment(diagnosis.unknown)}.')
         else:
             items.append(f'{capital(effect_label(effect.name))}: no other effect explains the '
                          'record as well. An experiment that would confirm it: '

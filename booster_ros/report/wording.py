@@ -92,7 +92,7 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
         return _sentences_on_none(diagnosis)
     if diagnosis.verdict == 'unknown':
         sentences = [_sentence_on_unknown(diagnosis.unknown)] if diagnosis.unknown else []
-        return [*sentences, _gain(diagnosis)]
+        return [*sentences, _gain(diagnosis), *unknown_rivals(diagnosis)]
     sentences = []
     for effect in diagnosis.effects:
         meaning = EFFECTS[effect.name].meaning
@@ -128,6 +128,13 @@ def _sentence_on_unknown(unknown: UnknownTerm) -> str:
         f'{variable.text(float(unknown.knots[0]))} to {variable.text(float(unknown.knots[-1]))} '
         f'and reaches {size.text(largest)}. It is in the model as a table, zero outside that range.'
     )
+
+
+def unknown_rivals(diagnosis: Diagnosis) -> list[str]:
+    """Return a sentence on the terms that do as well as the one without a name, if any do."""
+    return [f'A term in {listing([effect_label(one) for one in effect.confused_with], "or")} '
+            'explains this record as well.'
+            for effect in diagnosis.effects if effect.confused_with]
 
 
 def unknown_experiment(unknown: UnknownTerm) -> str:
