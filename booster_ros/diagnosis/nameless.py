@@ -33,11 +33,13 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     """
     Return the best model with a tabulated term, then those that this record cannot tell from it.
 
-    None where named effects explain the record. Of those not told apart the first is the one whose
-    kind comes first in unknown.terms: converters creep and drift more often than supplies sag.
+    None where named effects explain the record. Of those that score nearly the same the first is
+    the one whose kind comes first in unknown.terms: converters creep and drift more often than
+    supplies sag.
 
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
+    One over time bends to all it is fitted to, and must come near the noise there.
     """
     left, declared = tried.held_out.misfit - 1.0, tried.refit.misfit - 1.0
     if tried.chosen.misfit < WELL_EXPLAINED or (
@@ -53,9 +55,14 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
         return []
     best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
-        return [one for one in candidates if not told_apart(one, best)]
+        equal = [one for one in candidates if one.score < (1.0 + TOO_SIMILAR) * best.score]
+        return equal + sorted(
+            (one for one in candidates if one not in equal and not told_apart(one, best)),
+            key=lambda c: c.score)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
-    least = min(one.fit.cost for one in together)
+    together = [one for one in together if not _over_time(one.problem)
+                or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
+    least = min((one.fit.cost for one in together), default=0.0)
     return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
 
 
