@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fit import Problem, declared_freedom
-from booster_ros.diagnosis.nameless import preferable
+from booster_ros.diagnosis.nameless import as_good, preferable
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.search import Candidate, clearly_better
 from booster_ros.diagnosis.selection import Tried
@@ -45,6 +45,15 @@ UNEVEN = scored((UNNAMED,), 1.0, 14.0, 1.0, 14.0)
 def test_several_effects_that_leave_structure_give_way_to_a_term_that_leaves_less(named, wins):
     assert not clearly_better(UNEVEN, named)
     assert preferable(UNEVEN, tried(named)) is wins
+
+
+def test_the_commoner_kind_leads_only_where_scores_are_nearly_the_same():
+    best = scored(('unknown: supply over time',), 2.0, 2.0, 2.0, 2.0)
+    near = scored((UNNAMED,), 2.05, 2.05, 2.05, 2.05)
+    unsteady = scored(('unknown: chamber over stem_velocity',), 0.0, 0.0, 0.0, 12.0)
+    worse = scored(('unknown: booster over booster_force',), 6.0, 6.0, 6.0, 6.0)
+    assert as_good([near, unsteady, worse, best], best) == [near, best, unsteady]
+    assert as_good([unsteady, best], best) == [best, unsteady]
 
 
 def test_several_effects_that_leave_little_do_not_give_way():

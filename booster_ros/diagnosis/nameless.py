@@ -55,15 +55,19 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
         return []
     best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
-        equal = [one for one in candidates if one.score < (1.0 + TOO_SIMILAR) * best.score]
-        return equal + sorted(
-            (one for one in candidates if one not in equal and not told_apart(one, best)),
-            key=lambda c: c.score)
+        return as_good(candidates, best)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
     together = [one for one in together if not _over_time(one.problem)
                 or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
     least = min((one.fit.cost for one in together), default=0.0)
     return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
+
+
+def as_good(candidates: list[Candidate], best: Candidate) -> list[Candidate]:
+    """Return those that score nearly as the best, in their order, then those not told from it."""
+    equal = [one for one in candidates if one.score < (1.0 + TOO_SIMILAR) * best.score]
+    others = [one for one in candidates if one not in equal and not told_apart(one, best)]
+    return equal + sorted(others, key=lambda c: c.score)
 
 
 def preferable(unnamed: Candidate, tried: Tried) -> bool:
