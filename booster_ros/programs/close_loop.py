@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 import os
 from pathlib import Path
+import shutil
 import sys
-import tempfile
 
 from tqdm import tqdm
 
@@ -156,11 +156,15 @@ def _output_folder(out: Path) -> Iterator[Path]:
     if out.exists() and not out.is_dir():
         raise RecordError(f'{out}: is not a folder')
     nearest = next(folder for folder in (out, *out.absolute().parents) if folder.is_dir())
-    with tempfile.TemporaryDirectory(prefix='.close_loop.', dir=nearest) as temporary:
-        yield Path(temporary)
+    work = nearest / f'.close_loop.{os.getpid()}'
+    try:  # from before it exists: an interruption may come the moment it does
+        work.mkdir(exist_ok=True)
+        yield work
         out.mkdir(parents=True, exist_ok=True)
-        for file in Path(temporary).iterdir():
+        for file in work.iterdir():
             os.replace(file, out / file.name)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
 
 
 def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance) -> None:
