@@ -30,15 +30,28 @@ CURRENT = np.interp(TIME, [0.0, 5.0, 15.0, 20.0, 30.0], [3.6e-4, 3.6e-4, 4.4e-4,
 START_PRESSURE = 1.7e5
 
 
-def seen(parameters, departure=None, pressure=START_PRESSURE, current=CURRENT, seed=1):
+def seen(parameters, departure=None, pressure=START_PRESSURE, current=CURRENT, seed=1, time=TIME):
     """Return the experiment that a plant with these parameters would give, with its noise."""
-    run = simulate(parameters, TIME, current, {'chamber_pressure': pressure},
+    run = simulate(parameters, time, current, {'chamber_pressure': pressure},
                    departure=departure or Departure())
     rng = np.random.default_rng(seed)
     noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
-    measured = {name: run[f'measured_{name}'] + level * rng.standard_normal(len(TIME))
+    measured = {name: run[f'measured_{name}'] + level * rng.standard_normal(len(time))
                 for name, level in noise.items()}
-    return Experiment(TIME, current, measured, noise, {}, Initial(pressure))
+    return Experiment(time, current, measured, noise, {}, Initial(pressure))
+
+
+def steps_seen(parameters, levels, pressure, seed):
+    """Return the experiment of steps to these currents (0.1 mA), 5 s each."""
+    time = np.arange(0.0, 5.0 * len(levels), 0.02)
+    current = 1e-4 * levels[(time // 5.0).astype(int)]
+    return seen(parameters, None, pressure, current, seed, time)
+
+
+def searching(experiment, names):
+    """Return the search for these effects."""
+    return Search(experiment, split(experiment.time, experiment.current), P,
+                  tuple(declared_freedom(P, experiment)), names)
 
 
 def everywhere(experiment):
@@ -156,17 +169,8 @@ def test_what_only_the_select_segments_teach_is_nothing_missing():
     """One select segment needs the largest opening, no fit segment does: it is a little off."""
     plant = put(P, 'booster.max_area', 0.93 * P.booster.max_area)
     level = np.array([4.3, 4.5, 4.3, 4.5, 3.4, 3.6, 3.8, 4.0, 4.2, 4.4, 4.3, 4.4, 4.3, 4.4, 4.3])
-    time = np.arange(0.0, 5.0 * len(level), 0.02)
-    current = 1e-4 * level[(time // 5.0).astype(int)]
-    run = simulate(plant, time, current, {'chamber_pressure': 1.9e5})
-    rng = np.random.default_rng(4)
-    noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
-    measured = {n: run[f'measured_{n}'] + s * rng.standard_normal(len(time))
-                for n, s in noise.items()}
-    experiment = Experiment(time, current, measured, noise, {}, Initial(1.9e5))
-    segments = split(time, current)
-    assert next(s for s in segments if s.first <= 1001 < s.last).role == 'select'
-    search = Search(experiment, segments, P, tuple(declared_freedom(P, experiment)), ())
+    search = searching(steps_seen(plant, level, 1.9e5, seed=4), ())
+    assert next(s for s in search.segments if s.first <= 1001 < s.last).role == 'select'
     tried = select(search, lambda *_: None)
     assert tried.refit.misfit > 1.3
     assert tried.chosen.effects == ()
@@ -179,16 +183,7 @@ STEPS = np.array([3.6, 4.0, 4.4, 4.1, 3.7, 3.5, 3.8, 4.2, 4.4, 4.2, 3.9, 3.6, 3.
 
 def searched(plant, names):
     """Return what a search among these effects makes of 80 s of steps."""
-    time = np.arange(0.0, 5.0 * len(STEPS), 0.02)
-    current = 1e-4 * STEPS[(time // 5.0).astype(int)]
-    run = simulate(plant, time, current, {'chamber_pressure': 1.7e5})
-    rng = np.random.default_rng(5)
-    noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
-    measured = {n: run[f'measured_{n}'] + s * rng.standard_normal(len(time))
-                for n, s in noise.items()}
-    experiment = Experiment(time, current, measured, noise, {}, Initial(1.7e5))
-    return select(Search(experiment, split(time, current), P,
-                         tuple(declared_freedom(P, experiment)), names), lambda *_: None)
+    return select(searching(steps_seen(plant, STEPS, 1.7e5, seed=5), names), lambda *_: None)
 
 
 def test_an_effect_that_noise_could_be_is_seen_through_it():

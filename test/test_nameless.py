@@ -13,14 +13,14 @@ from booster_ros.diagnosis.nameless import as_good, preferable
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.search import Candidate, clearly_better
 from booster_ros.diagnosis.selection import Tried
-from booster_ros.diagnosis.unknown import terms, with_term
+from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.model import discrepancy as term
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.wording import unknown_rivals, verdict_sentences
 
 SAMPLES = 1000
-UNNAMED = 'unknown: ep_converter over time'
+DRIFTING = UNNAMED + 'ep_converter over time'
 
 
 def scored(effects, *by_segment):
@@ -34,7 +34,7 @@ def tried(named):
     return Tried(refit, named, (refit, named), {})
 
 
-UNEVEN = scored((UNNAMED,), 1.0, 14.0, 1.0, 14.0)
+UNEVEN = scored((DRIFTING,), 1.0, 14.0, 1.0, 14.0)
 
 
 @pytest.mark.parametrize(('named', 'wins'), [
@@ -48,19 +48,19 @@ def test_several_effects_that_leave_structure_give_way_to_a_term_that_leaves_les
 
 
 def test_the_commoner_kind_leads_only_where_scores_are_nearly_the_same():
-    best = scored(('unknown: supply over time',), 2.0, 2.0, 2.0, 2.0)
-    near = scored((UNNAMED,), 2.05, 2.05, 2.05, 2.05)
-    unsteady = scored(('unknown: chamber over stem_velocity',), 0.0, 0.0, 0.0, 12.0)
-    worse = scored(('unknown: booster over booster_force',), 6.0, 6.0, 6.0, 6.0)
+    best = scored((UNNAMED + 'supply over time',), 2.0, 2.0, 2.0, 2.0)
+    near = scored((DRIFTING,), 2.05, 2.05, 2.05, 2.05)
+    unsteady = scored((UNNAMED + 'chamber over stem_velocity',), 0.0, 0.0, 0.0, 12.0)
+    worse = scored((UNNAMED + 'booster over booster_force',), 6.0, 6.0, 6.0, 6.0)
     assert as_good([near, unsteady, worse, best], best) == [near, best, unsteady]
     assert as_good([unsteady, best], best) == [best, unsteady]
 
 
 def test_several_effects_that_leave_little_do_not_give_way():
     named = scored(('ep_drift', 'seat_load'), 2.5, 2.5, 2.5, 2.5)
-    term = scored((UNNAMED,), 1.0, 3.6, 1.0, 3.6)
-    assert not preferable(term, tried(named))
-    assert preferable(scored((UNNAMED,), 1.0, 1.1, 1.0, 1.1), tried(named))
+    unnamed = scored((DRIFTING,), 1.0, 3.6, 1.0, 3.6)
+    assert not preferable(unnamed, tried(named))
+    assert preferable(scored((DRIFTING,), 1.0, 1.1, 1.0, 1.1), tried(named))
 
 
 def test_where_no_name_was_found_a_term_is_the_verdict():
