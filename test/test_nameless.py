@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fit import Problem, declared_freedom
-from booster_ros.diagnosis.nameless import as_good, preferable
+from booster_ros.diagnosis.nameless import as_good, beyond_names, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.search import Candidate, clearly_better
 from booster_ros.diagnosis.selection import Tried
@@ -66,6 +66,23 @@ def test_several_effects_that_leave_little_do_not_give_way():
 def test_where_no_name_was_found_a_term_is_the_verdict():
     refit = scored((), 40.0, 40.0, 40.0, 40.0)
     assert preferable(UNEVEN, Tried(refit, refit, (refit,), {}))
+
+
+def test_a_term_that_leaves_far_less_than_several_effects_settles_it():
+    several = scored(('ep_drift', 'seat_load'), 9.0, 9.0, 9.0, 9.0)
+    term_over_time = scored((DRIFTING,), 2.0, 2.0, 2.0, 2.0)
+    assert beyond_names([term_over_time], tried(several))
+    assert not beyond_names([], tried(several))
+    assert not beyond_names([scored((DRIFTING,), 6.0, 6.0, 6.0, 6.0)], tried(several))
+    assert not beyond_names([term_over_time], tried(scored(('ep_drift',), 9.0, 9.0, 9.0, 9.0)))
+
+
+def test_terms_compete_where_named_effects_leave_much_of_what_was_there():
+    assert compete(tried(scored(('ep_drift',), 4.0, 4.0, 4.0, 4.0)))
+    assert not compete(tried(scored(('ep_drift',), 2.0, 2.0, 2.0, 2.0)))  # 1 of 39
+    quiet = scored((), 2.0, 2.0, 2.0, 2.0)
+    assert compete(Tried(quiet, quiet, (quiet,), {}))
+    assert not compete(Tried(quiet, scored(('ep_drift',), 1.4, 1.4, 1.4, 1.4), (quiet,), {}))
 
 
 def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():

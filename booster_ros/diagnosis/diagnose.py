@@ -15,13 +15,13 @@ from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
-from booster_ros.diagnosis.nameless import best_terms, preferable
+from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import (
     EVALUATIONS, NEAR_NOISE, Candidate, Search, as_given, gain, polished, told_apart)
 from booster_ros.diagnosis.segments import rows_of, segment_of_row, split, split_sweep
-from booster_ros.diagnosis.selection import Progress, Tried, select
+from booster_ros.diagnosis.selection import Progress, Tried, compared, named
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, UNNAMED
 from booster_ros.model import discrepancy as term
 from booster_ros.model.actuator import has_dry_friction
@@ -58,13 +58,24 @@ def diagnose(
     search = Search(experiment, segments, declared, free_to_refit(declared, experiment),
                     applicable(experiment, declared))
     tell('refitting the declared parameters', 0.02)
-    tried = select(search, tell)
-    tell('looking for a discrepancy without a name', 0.8)
-    unnamed = best_terms(search, tried)
+    tried, unnamed = _sought(search, tell)
     tell('final fit and intervals', 0.92)
     result = _conclude(search, tried, unnamed, notes)
     tell('done', 1.0)
     return result
+
+
+def _sought(search: Search, tell: Progress) -> tuple[Tried, list[Candidate]]:
+    """Return the models with named effects, and the terms without a name that compete with them."""
+    first = named(search, tell)
+    tell('looking for a discrepancy without a name', 0.65)
+    unnamed = best_terms(search, first)
+    if beyond_names(unnamed, first):
+        return first, unnamed
+    tried = compared(search, first, tell)
+    if not unnamed or set(tried.chosen.effects) != set(first.chosen.effects):
+        unnamed = best_terms(search, tried)
+    return tried, unnamed if compete(tried) else []
 
 
 def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tuple[str, ...]

@@ -28,6 +28,10 @@ WITHIN_REACH = 2.0
 LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
+BEYOND = 0.5
+"""Share of what several named effects leave: a term that leaves less settles it. To exchange them
+takes as long as all that went before."""
+
 
 def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     """
@@ -41,11 +45,9 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     compete on fit and select segments together, for what is missing may show in some of them only.
     One over time bends to all it is fitted to, and must come near the noise there.
     """
-    left, declared = tried.held_out.misfit - 1.0, tried.refit.misfit - 1.0
-    if tried.chosen.misfit < WELL_EXPLAINED or (
-            tried.chosen.effects and left < MOSTLY * declared):
+    if not compete(tried):
         return []
-    foreseen = bool(tried.chosen.effects) and left < FORESEEN * declared
+    foreseen = bool(tried.chosen.effects) and _leave_less(tried, FORESEEN)
     candidates = [search.rate((UNNAMED + label,), joint, joint.fit(z, evaluations=EVALUATIONS))
                   for label, joint, z in _likely(search, tried.refit, foreseen)]
     if foreseen:
@@ -61,6 +63,17 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
                 or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
     least = min((one.fit.cost for one in together), default=0.0)
     return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
+
+
+def compete(tried: Tried) -> bool:
+    """Tell whether the named effects leave so much that terms without a name compete."""
+    return tried.chosen.misfit >= WELL_EXPLAINED and not (
+        tried.chosen.effects and _leave_less(tried, MOSTLY))
+
+
+def _leave_less(tried: Tried, share: float) -> bool:
+    """Tell whether named effects leave less than this share of the declared model's excess."""
+    return tried.held_out.misfit - 1.0 < share * (tried.refit.misfit - 1.0)
 
 
 def as_good(candidates: list[Candidate], best: Candidate) -> list[Candidate]:
@@ -82,6 +95,12 @@ def preferable(unnamed: Candidate, tried: Tried) -> bool:
         return True
     return (len(tried.chosen.effects) > 1 and named.misfit > FAITHFUL
             and unnamed.score < named.score)
+
+
+def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
+    """Tell whether no exchange of named effects is likely to do as well as a term does."""
+    return bool(unnamed) and len(tried.chosen.effects) > 1 and (
+        unnamed[0].misfit < BEYOND * tried.held_out.misfit)
 
 
 def _over_time(problem: Problem) -> bool:

@@ -17,8 +17,10 @@ named effects. Numbered as carried out:
    than one standard error (paired, over segments), by a share that matters, and by a third of
    what noise does not explain; where the stem sticks, what lies above it is sought with the stem
    driven as measured (see cascade). Where noise could be all from the start, an effect must lower
-   the cost of the fit clearly as well;
-6. try every other effect in the place of each of several, then leave each out again;
+   the cost of the fit clearly as well. What an effect leaves on thinned rows must be left on every
+   row before a next one is looked for;
+6. try every other effect in the place of each of several, then leave each out again; not where a
+   term without a name leaves far less than all of them together (see nameless);
 7. models near the choice are fitted to every row and compared once more (see rematch).
 """
 
@@ -59,6 +61,9 @@ HOPELESS = 6.0
 
 OTHER_START = 2.0
 """A fit from an effect's other start is given up when it costs so much more than the first."""
+
+FAR_BEHIND = 10.0
+"""A model that costs so much more than another one is no rival of it: no more fitting."""
 
 CLOSE = 3.0
 POLISHINGS = 4
@@ -237,7 +242,7 @@ class Search:
         Return the model with these of the chosen effects only, fitted from what they were.
 
         Also with all else as given: it may have moved to where only the others held it. Not where
-        the stem sticks, as that takes long.
+        the stem sticks, as that takes long. Not to the end where it is far behind the chosen.
         """
         problem = self.joint(self.problem(), rest)
         z = self.carried(problem, chosen)
@@ -245,7 +250,15 @@ class Search:
         if not has_dry_friction(begun.parameters.actuator):
             again = problem.fit(as_given(problem, z), evaluations=EVALUATIONS)
             begun = min(begun, again, key=lambda fit: fit.cost)
-        return self.rate(rest, problem, polished(problem, begun))
+        if begun.cost < FAR_BEHIND * chosen.fit.cost:
+            begun = polished(problem, begun)
+        return self.rate(rest, problem, begun)
+
+    def on_every_row(self, candidate: Candidate) -> Candidate:
+        """Return the model fitted to every row of the fit segments."""
+        problem = self.on(candidate.problem, ('fit',), 1)
+        return self.rate(candidate.effects, problem,
+                         problem.fit(candidate.fit.z, evaluations=EVALUATIONS))
 
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""
@@ -258,7 +271,8 @@ class Search:
         """
         Return the best models with one effect more than `parent`, best first.
 
-        Effects that screening does not see below the cost `worth` are not fitted.
+        Effects that screening does not see below the cost `worth` are not fitted, nor those further
+        that the first steps do not take below it.
         """
         names = [name for name in self.names if name not in (*parent.effects, *leave_out) and
                  not redundant(name, parent.effects)]
@@ -266,14 +280,14 @@ class Search:
         if above is None:
             begun = self._begun(parent.problem, parent.fit, names, tick, worth)
         else:
-            begun = self._begun_in_parts(parent, names, above, tick)
+            begun = self._begun_in_parts(parent, names, above, tick, worth)
         begun.sort(key=lambda b: b.fit.cost)
         ended: dict[str, _Begun] = {}
         for one in begun[:FINALISTS]:
             first = ended.get(one.effect)
             if first is not None and one.fit.cost > OTHER_START * first.fit.cost:
                 continue
-            if one.fit.cost < HOPELESS * begun[0].fit.cost:
+            if one.fit.cost < min(HOPELESS * begun[0].fit.cost, worth):
                 one = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
             if one.effect not in ended or one.fit.cost < ended[one.effect].fit.cost:
                 ended[one.effect] = one
@@ -335,7 +349,7 @@ class Search:
             thinning=cascade.THINNING)
 
     def _begun_in_parts(self, parent: Candidate, names: list[str], above: 'Search',
-                        tick: Callable[[], None]) -> 'list[_Begun]':
+                        tick: Callable[[], None], worth: float) -> 'list[_Begun]':
         """
         Return the promising effects where the stem sticks and slips.
 
@@ -345,8 +359,9 @@ class Search:
         present = tuple(e for e in parent.effects if cascade.shows_above_the_stem(e))
         problem = above.joint(above.problem(), present)
         fitted = problem.fit(self.carried(problem, parent), evaluations=EVALUATIONS)
-        upper = above._begun(
-            problem, fitted, [n for n in names if cascade.shows_above_the_stem(n)], tick)
+        worth_above = worth * fitted.cost / parent.fit.cost
+        upper = above._begun(problem, fitted, [n for n in names if cascade.shows_above_the_stem(n)],
+                             tick, worth_above)
         upper.sort(key=lambda b: b.fit.cost)
         excess = max(fitted.cost - problem.rows_counted(), 0.0)
         begun: list[_Begun] = []
@@ -354,14 +369,14 @@ class Search:
             part = next(b for b in upper if b.effect == name)
             part = replace(part, fit=part.problem.fit(part.fit.z, evaluations=EVALUATIONS))
             fall = fitted.cost - part.fit.cost
-            if fall > WORTH_ADDING * fitted.cost:
+            if fall > WORTH_ADDING * fitted.cost and part.fit.cost < worth_above:
                 joint = self.joint(parent.problem, (name,))
                 start = self.carried(joint, parent, part)
                 begun.append(_Begun(name, joint, joint.fit(start, evaluations=FIRST_EVALUATIONS),
                                     fall > WORTH_EXPLAINING * excess))
             tick()
         lower = [n for n in names if not cascade.shows_above_the_stem(n)]
-        worth = (1.0 - WORTH_ADDING) * parent.fit.cost
+        worth = min(worth, (1.0 - WORTH_ADDING) * parent.fit.cost)
         return begun + self._begun(parent.problem, parent.fit, lower, tick, worth, few=True)
 
 

@@ -11,11 +11,12 @@ import numpy as np
 from booster_ros.diagnosis.cascade import shows_above_the_stem
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.search import (
-    FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate, Search, clearly_better,
-    preferred_first, told_apart)
+    FAR_BEHIND, FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate, Search,
+    clearly_better, preferred_first, told_apart)
 from booster_ros.model.actuator import has_dry_friction
 
 Progress = Callable[[str, float], None]
+_Fewer = dict[tuple[Candidate, tuple[str, ...]], Candidate]
 
 PLAUSIBLE = 12.0
 """Sum of squared departures of the declared parameters that their priors still allow."""
@@ -25,9 +26,6 @@ WELL_EXPLAINED = 1.5
 
 PATCH = 1.3
 """Mean square misfit of a single segment up to which it is noise."""
-
-ALIKE = 10.0
-"""Cost by screening, relative to the choice, up to which another effect may be its equal."""
 
 SURE = 40.0
 """
@@ -54,8 +52,8 @@ class Tried:
         return next(one for one in self.all if set(one.effects) == set(self.chosen.effects))
 
 
-def select(search: Search, tell: Progress) -> Tried:
-    """Carry out steps 1 to 7 of the search."""
+def named(search: Search, tell: Progress) -> Tried:
+    """Carry out steps 1 to 5 of the search: effects are added."""
     refit = search.refit()
     everything = [refit]
     noise = refit if _explained(refit, refit) else _taught(search, refit)
@@ -63,13 +61,23 @@ def select(search: Search, tell: Progress) -> Tried:
         chosen = _added(search, refit, everything, tell)
     else:
         chosen = _faint(search, refit, noise, everything, tell)
-    chosen = _exchanged(search, chosen, everything, tell)
-    chosen = _backward(search, chosen, everything)
+    return _tried(refit, chosen, everything)
+
+
+def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
+    """Carry out steps 6 and 7: each effect is exchanged and left out, what is close fitted anew."""
+    everything = list(tried.all)
+    fewer: _Fewer = {}
+    chosen = _exchanged(search, tried.chosen, everything, tell, fewer)
+    chosen = _backward(search, chosen, everything, fewer)
     tell('comparing those nearest to each other', 0.78)
-    compared = rematch(search, chosen, everything)
-    everything += compared
-    chosen = compared[0]
-    chosen = _pruned(search, chosen, everything)
+    again = rematch(search, chosen, everything)
+    everything += again
+    chosen = _pruned(search, again[0], everything)
+    return _tried(tried.refit, chosen, everything)
+
+
+def _tried(refit: Candidate, chosen: Candidate, everything: list[Candidate]) -> Tried:
     reasons = {frozenset(c.effects): _reason(c, chosen)
                for c in sorted(everything, key=lambda c: c.score, reverse=True)}
     reasons[frozenset(chosen.effects)] = 'chosen'
@@ -83,6 +91,7 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
     chosen = parent = refit
     for level in range(MOST_EFFECTS):
         if level > 0:
+            chosen = _sharpened(search, chosen, refit, everything)
             if _explained(chosen, refit):
                 break
             taught = _taught(search, chosen) if chosen is parent else None  # else asked before
@@ -98,6 +107,24 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
         # of two effects either alone may look like none, or be at a bound: what explains most leads
         parent = chosen if chosen is ranked[0] else min(ranked, key=lambda c: c.score)
     return chosen
+
+
+def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: list[Candidate]
+               ) -> Candidate:
+    """
+    Return the model fitted to every row, in its own place, if that leaves noise.
+
+    Thinned rows blur when something happened, a dead time, say, and hardly save time beside
+    another round. Not where the stem sticks: that fit takes minutes.
+    """
+    if (not chosen.effects or _explained(chosen, refit)
+            or has_dry_friction(chosen.fit.parameters.actuator)):
+        return chosen
+    sharp = search.on_every_row(chosen)
+    if not _explained(sharp, refit):
+        return chosen
+    everything[everything.index(chosen)] = sharp
+    return sharp
 
 
 def _faint(search: Search, refit: Candidate, noise: Candidate, everything: list[Candidate],
@@ -182,8 +209,16 @@ def _round(search: Search, parent: Candidate, level: int, tell: Progress, worth:
     return search.extend(parent, tick, worth=worth)
 
 
-def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress
-               ) -> Candidate:
+def _without(search: Search, chosen: Candidate, name: str, fewer: _Fewer) -> Candidate:
+    """Return the chosen model with one effect less, fitted once."""
+    rest = tuple(e for e in chosen.effects if e != name)
+    if (chosen, rest) not in fewer:
+        fewer[chosen, rest] = search.without(chosen, rest)
+    return fewer[chosen, rest]
+
+
+def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress,
+               fewer: _Fewer) -> Candidate:
     """
     Try every other effect in the place of each of several.
 
@@ -192,12 +227,11 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     all others have been tried already.
     """
     for k, name in enumerate(chosen.effects[:-1]):
-        rest = tuple(e for e in chosen.effects if e != name)
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
-        parent = search.without(chosen, rest)
+        parent = _without(search, chosen, name, fewer)
         others = search.extend(
             parent, lambda: None, (name, *_slow_beside(parent, search.names)),
-            worth=ALIKE * chosen.fit.cost)
+            worth=FAR_BEHIND * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]
         if best is not chosen:
@@ -212,16 +246,16 @@ def _slow_beside(parent: Candidate, names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in names if not shows_above_the_stem(name))
 
 
-def _backward(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
+def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fewer: _Fewer
+              ) -> Candidate:
     """Leave out every effect that the others do not need."""
     if len(chosen.effects) < 2:
         return chosen
     for name in chosen.effects:
-        rest = tuple(e for e in chosen.effects if e != name)
-        smaller = search.without(chosen, rest)
+        smaller = _without(search, chosen, name, fewer)
         everything.append(smaller)
         if search.fault(chosen.problem, chosen.fit, name) or not clearly_better(chosen, smaller):
-            return _backward(search, smaller, everything)
+            return _backward(search, smaller, everything, fewer)
     return chosen
 
 
