@@ -49,7 +49,11 @@ def main(args: list[str] | None = None) -> int:
         known = ', '.join(PROGRAMS)
         print(f"booster_ros: no program is called '{name}'; there are {known}", file=sys.stderr)
         return 2
-    program = import_module(PROGRAMS[name][0])
+    try:
+        program = import_module(PROGRAMS[name][0])
+    except KeyboardInterrupt:  # scientific libraries take seconds to load
+        print(f'{name}: interrupted', file=sys.stderr)
+        return 130
     return int(program.main(rest))
 
 

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from booster_ros import __main__
 from booster_ros.__main__ import PROGRAMS
 
 
@@ -69,3 +70,12 @@ def test_the_list_of_programs_imports_none_of_them():
 def test_a_node_needs_rclpy_and_numpy_alone(node):
     heavy = {'matplotlib', 'numba', 'rosbags', 'scipy', 'tqdm'}
     assert not heavy & imported_by(f'booster_ros.nodes.{node}')
+
+
+def test_interrupted_while_libraries_load_it_says_so(monkeypatch, capsys):
+    def interrupted(module):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(__main__, 'import_module', interrupted)
+    assert __main__.main(['close_loop']) == 130
+    assert capsys.readouterr().err == 'close_loop: interrupted\n'
