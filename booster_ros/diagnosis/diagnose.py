@@ -146,16 +146,19 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
     """
     Return the candidate fitted to all but the locked part.
 
-    Where that leaves more than noise, once more from the declared parameters as given and typical
-    shapes: they may have ended in a corner where they imitated the effect before it was there.
+    Where that leaves more than noise, once more from another start, as the declared parameters may
+    have ended in a corner where they imitated the effect before it was there: from those given and
+    typical shapes, or, where the stem sticks, from what is seen above it.
     """
     problem = search.on(candidate.problem, USED, 1)
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
-    if not has_dry_friction(fit.parameters.actuator):
+    dry = has_dry_friction(fit.parameters.actuator)
+    if not dry:
         fit = polished(problem, fit)
     if not candidate.effects or fit.cost < NEAR_NOISE * problem.rows_counted():
         return problem, problem.without_unseen(fit)
-    again = problem.fit(as_given(problem, fit.z), evaluations=EVALUATIONS)
+    other = search.as_seen_above(candidate, fit.z, USED) if dry else as_given(problem, fit.z)
+    again = problem.fit(other, evaluations=EVALUATIONS)
     return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, FIRST_EVALUATIONS, TOO_SIMILAR, Candidate, Search, clearly_better, told_apart)
+    EVALUATIONS, FIRST_EVALUATIONS, TOO_SIMILAR, Candidate, Search, clearly_better, polished,
+    told_apart)
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
 from booster_ros.diagnosis.unknown import UNNAMED, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
@@ -48,8 +49,10 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     if not compete(tried):
         return []
     foreseen = bool(tried.chosen.effects) and _leave_less(tried, FORESEEN)
-    candidates = [search.rate((UNNAMED + label,), joint, joint.fit(z, evaluations=EVALUATIONS))
-                  for label, joint, z in _likely(search, tried.refit, foreseen)]
+    candidates = []
+    for label, joint, z in _likely(search, tried.refit, foreseen):
+        fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))  # places differ by little
+        candidates.append(search.rate((UNNAMED + label,), joint, fit))
     if foreseen:
         candidates = [one for one in candidates
                       if not _over_time(one.problem) or one.misfit < FAITHFUL]

@@ -4,7 +4,7 @@
 The search for what the model lacks.
 
 Model: the declared model with its parameters refitted within their priors, plus at most three
-named effects. Numbered as carried out:
+named effects, two where the stem sticks. Numbered as carried out:
 
 1. refit the declared parameters on the fit segments;
 2. screen every effect in the catalogue with the declared parameters reacting (see screening);
@@ -51,6 +51,9 @@ EVALUATIONS = 10
 """Steps of one fit."""
 
 MOST_EFFECTS = 3
+MOST_BESIDE_STICKING = 2
+"""Effects in all: where the stem sticks, which slip comes when hides a third, and costs minutes."""
+
 PROMISING = 6
 FIRST_EVALUATIONS = 4
 """Effects per round that are fitted for so many steps from each of their starts."""
@@ -70,6 +73,12 @@ POLISHINGS = 4
 WORTH_POLISHING = 0.01
 """Fits that cost up to so much more than the best are given as many steps again, so many times at
 the most, while that lowers their cost by this share."""
+
+AS_GOOD_ABOVE = 1.1
+"""
+Above a stem that sticks, an effect that costs so much more than the best is not tried in the whole:
+up there nothing blurs which it is.
+"""
 
 FEWEST = 3
 """
@@ -260,6 +269,16 @@ class Search:
         return self.rate(candidate.effects, problem,
                          problem.fit(candidate.fit.z, evaluations=EVALUATIONS))
 
+    def seen_from_above(self, candidate: Candidate) -> Candidate:
+        """Return the model of a stem that sticks, fitted on from what is seen above the stem."""
+        problem = candidate.problem
+        start = self.as_seen_above(candidate, candidate.fit.z, ('fit',))
+        fit = problem.fit(start, evaluations=EVALUATIONS)
+        if fit.cost >= candidate.fit.cost:
+            return candidate
+        better = self.rate(candidate.effects, problem, fit)
+        return replace(better, confirmed=candidate.confirmed)
+
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""
         problem = self.on(candidate.problem, ('fit', 'select'), factor)
@@ -276,18 +295,19 @@ class Search:
         """
         names = [name for name in self.names if name not in (*parent.effects, *leave_out) and
                  not redundant(name, parent.effects)]
-        above = self._above(parent)
+        above = self._above(parent.fit)
         if above is None:
             begun = self._begun(parent.problem, parent.fit, names, tick, worth)
         else:
             begun = self._begun_in_parts(parent, names, above, tick, worth)
         begun.sort(key=lambda b: b.fit.cost)
         ended: dict[str, _Begun] = {}
+        hopeless = HOPELESS if above is None else CLOSE  # fits of a stem that sticks are slow
         for one in begun[:FINALISTS]:
             first = ended.get(one.effect)
             if first is not None and one.fit.cost > OTHER_START * first.fit.cost:
                 continue
-            if one.fit.cost < min(HOPELESS * begun[0].fit.cost, worth):
+            if one.fit.cost < min(hopeless * begun[0].fit.cost, worth):
                 one = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
             if one.effect not in ended or one.fit.cost < ended[one.effect].fit.cost:
                 ended[one.effect] = one
@@ -339,9 +359,26 @@ class Search:
                                     quick.problem.fit(z, evaluations=FIRST_EVALUATIONS)))
         return begun
 
-    def _above(self, parent: Candidate) -> 'Search | None':
+    def as_seen_above(self, candidate: Candidate, z: Array, roles: tuple[str, ...]) -> Array:
+        """
+        Return z with what lies above a stem that sticks as the measured stem tells it.
+
+        What was fitted before friction was in the model had imitated it, and a fit of all at once
+        stays there: which slip comes when makes its cost rough. Above the stem nothing is rough.
+        """
+        above = self._above(candidate.fit)
+        if above is None:
+            return z
+        effects = tuple(e for e in candidate.effects if cascade.shows_above_the_stem(e))
+        upper = above.on(above.joint(above.problem(), effects), roles, above.thinning)
+        fitted = upper.fit(as_given(upper, self.carried(upper, candidate)))
+        part = _Begun('', upper, fitted)
+        body = self.carried(candidate.problem, candidate, part)[:len(candidate.problem.freedoms)]
+        return np.concatenate([body, z[len(body):]])
+
+    def _above(self, fit: Fit) -> 'Search | None':
         """Return the search above the stem where friction rules the stem, else None."""
-        if not has_dry_friction(parent.fit.parameters.actuator):
+        if not has_dry_friction(fit.parameters.actuator):
             return None
         above = cascade.above_the_stem(self.experiment)
         return None if above is None else replace(
@@ -364,16 +401,21 @@ class Search:
                              tick, worth_above)
         upper.sort(key=lambda b: b.fit.cost)
         excess = max(fitted.cost - problem.rows_counted(), 0.0)
-        begun: list[_Begun] = []
+        parts: list[_Begun] = []
         for name in list(dict.fromkeys(b.effect for b in upper))[:FEWEST]:
             part = next(b for b in upper if b.effect == name)
             part = replace(part, fit=part.problem.fit(part.fit.z, evaluations=EVALUATIONS))
             fall = fitted.cost - part.fit.cost
             if fall > WORTH_ADDING * fitted.cost and part.fit.cost < worth_above:
-                joint = self.joint(parent.problem, (name,))
+                parts.append(replace(part, confirmed=fall > WORTH_EXPLAINING * excess))
+        least = min((part.fit.cost for part in parts), default=0.0)
+        begun: list[_Begun] = []
+        for part in parts:
+            if part.fit.cost < AS_GOOD_ABOVE * least:
+                joint = self.joint(parent.problem, (part.effect,))
                 start = self.carried(joint, parent, part)
-                begun.append(_Begun(name, joint, joint.fit(start, evaluations=FIRST_EVALUATIONS),
-                                    fall > WORTH_EXPLAINING * excess))
+                begun.append(_Begun(part.effect, joint, joint.fit(
+                    start, evaluations=FIRST_EVALUATIONS), part.confirmed))
             tick()
         lower = [n for n in names if not cascade.shows_above_the_stem(n)]
         worth = min(worth, (1.0 - WORTH_ADDING) * parent.fit.cost)

@@ -11,8 +11,8 @@ import numpy as np
 from booster_ros.diagnosis.cascade import shows_above_the_stem
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.search import (
-    FAR_BEHIND, FINALISTS, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING, Candidate, Search,
-    clearly_better, preferred_first, told_apart)
+    FAR_BEHIND, FINALISTS, MOST_BESIDE_STICKING, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING,
+    Candidate, Search, clearly_better, preferred_first, told_apart)
 from booster_ros.model.actuator import has_dry_friction
 
 Progress = Callable[[str, float], None]
@@ -90,8 +90,11 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
     """Return the model with effects added, one by one, as long as that is called for."""
     chosen = parent = refit
     for level in range(MOST_EFFECTS):
+        if level >= _most(chosen):
+            break
         if level > 0:
-            chosen = _sharpened(search, chosen, refit, everything)
+            sharp = _sharpened(search, chosen, refit, everything)
+            chosen, parent = sharp, sharp if parent is chosen else parent
             if _explained(chosen, refit):
                 break
             taught = _taught(search, chosen) if chosen is parent else None  # else asked before
@@ -112,17 +115,20 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
 def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: list[Candidate]
                ) -> Candidate:
     """
-    Return the model fitted to every row, in its own place, if that leaves noise.
+    Return the model better fitted, in its own place, before a next effect is looked for.
 
-    Thinned rows blur when something happened, a dead time, say, and hardly save time beside
-    another round. Not where the stem sticks: that fit takes minutes.
+    To every row, if that leaves noise: thinned rows blur when something happened, a dead time,
+    say, and hardly save time beside another round. Where the stem sticks, from what is seen above
+    it.
     """
-    if (not chosen.effects or _explained(chosen, refit)
-            or has_dry_friction(chosen.fit.parameters.actuator)):
+    if not chosen.effects or _explained(chosen, refit):
         return chosen
-    sharp = search.on_every_row(chosen)
-    if not _explained(sharp, refit):
-        return chosen
+    if has_dry_friction(chosen.fit.parameters.actuator):
+        sharp = search.seen_from_above(chosen)
+    else:
+        sharp = search.on_every_row(chosen)
+        if not _explained(sharp, refit):
+            return chosen
     everything[everything.index(chosen)] = sharp
     return sharp
 
@@ -144,6 +150,12 @@ def _faint(search: Search, refit: Candidate, noise: Candidate, everything: list[
     if noise is not refit:
         everything.append(noise)
     return noise
+
+
+def _most(chosen: Candidate) -> int:
+    """Return how many effects are looked for in all."""
+    dry = has_dry_friction(chosen.fit.parameters.actuator)
+    return MOST_BESIDE_STICKING if dry else MOST_EFFECTS
 
 
 def _patience(chosen: Candidate) -> int:
@@ -209,11 +221,19 @@ def _round(search: Search, parent: Candidate, level: int, tell: Progress, worth:
     return search.extend(parent, tick, worth=worth)
 
 
-def _without(search: Search, chosen: Candidate, name: str, fewer: _Fewer) -> Candidate:
-    """Return the chosen model with one effect less, fitted once."""
+def _without(search: Search, chosen: Candidate, name: str, everything: list[Candidate],
+             fewer: _Fewer) -> Candidate:
+    """
+    Return the chosen model with one effect less, fitted once.
+
+    Where the stem sticks the fit of the round that had it serves: another takes long.
+    """
     rest = tuple(e for e in chosen.effects if e != name)
     if (chosen, rest) not in fewer:
-        fewer[chosen, rest] = search.without(chosen, rest)
+        same = [one for one in everything if set(one.effects) == set(rest)
+                and has_dry_friction(one.fit.parameters.actuator)]
+        fewer[chosen, rest] = min(same, key=lambda c: c.score) if same else search.without(
+            chosen, rest)
     return fewer[chosen, rest]
 
 
@@ -228,9 +248,9 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     """
     for k, name in enumerate(chosen.effects[:-1]):
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
-        parent = _without(search, chosen, name, fewer)
+        parent = _without(search, chosen, name, everything, fewer)
         others = search.extend(
-            parent, lambda: None, (name, *_slow_beside(parent, search.names)),
+            parent, lambda: None, _not_instead(chosen, parent, name, search.names),
             worth=FAR_BEHIND * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]
@@ -239,11 +259,12 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     return chosen
 
 
-def _slow_beside(parent: Candidate, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the effects that take minutes to try beside a parent's: of a stem that sticks."""
-    if not has_dry_friction(parent.fit.parameters.actuator):
-        return ()
-    return tuple(name for name in names if not shows_above_the_stem(name))
+def _not_instead(chosen: Candidate, parent: Candidate, name: str, names: tuple[str, ...]
+                 ) -> tuple[str, ...]:
+    """Return the effects not to be tried in the place of `name`; the parent lacks it."""
+    if has_dry_friction(parent.fit.parameters.actuator):  # those of a stem that sticks take minutes
+        return (name, *(other for other in names if not shows_above_the_stem(other)))
+    return () if has_dry_friction(chosen.fit.parameters.actuator) else (name,)
 
 
 def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fewer: _Fewer
@@ -252,7 +273,7 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
     if len(chosen.effects) < 2:
         return chosen
     for name in chosen.effects:
-        smaller = _without(search, chosen, name, fewer)
+        smaller = _without(search, chosen, name, everything, fewer)
         everything.append(smaller)
         if search.fault(chosen.problem, chosen.fit, name) or not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything, fewer)
