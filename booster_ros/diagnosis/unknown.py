@@ -19,12 +19,14 @@ from booster_ros.model.discrepancy import KNOTS, Discrepancy
 
 Array = np.ndarray
 
-# What a term may depend on in each component, and a size of it that a record shows.
+# What a term may depend on in each component, and a size of it that a record shows. The commoner
+# kind first: chambers leak more often than a relay's forces depend on the pressure behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.TIME)),
-    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE, term.CHAMBER_PRESSURE)),
+    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
     (term.SUPPLY, 1e3, (term.TIME,)),
     (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY)),
+    (term.BOOSTER, 0.01, (term.CHAMBER_PRESSURE,)),
     (term.STEM, 200.0, (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE)),
     (term.PRESSURE_SENSOR, 1e3, (term.CHAMBER_PRESSURE, term.TIME)),
     (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
