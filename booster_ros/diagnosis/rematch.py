@@ -11,11 +11,16 @@ what lies between two similar effects. So the close ones meet again:
    also where no fit has found that yet;
 3. all are fitted to every row of the fit and select segments, until that no longer pays;
 4. of those that this does not make unlikely beside the best, the plainest is taken.
+
+Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
+what lies above the stem are fitted once more to the thinned rows, all beginning with the friction
+of the choice and with what is seen above the stem; the plainest of those not told apart is taken.
 """
 
+from booster_ros.diagnosis.cascade import shows_above_the_stem
 from booster_ros.diagnosis.indistinct import alike
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, UNLIKELY, Candidate, Search, plainness, redundant)
+    EVALUATIONS, UNLIKELY, Candidate, Search, plainness, preferred_first, redundant)
 from booster_ros.model.actuator import has_dry_friction
 
 NEAR = 1.15
@@ -24,16 +29,16 @@ NEAR = 1.15
 RIVALS = 3
 """So many of them at the most."""
 
+ROUGHLY = 2.0
+"""The same where the stem sticks and only what lies above it differs."""
+
 
 def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
-    """
-    Return the choice, then its rivals, all fitted to every row; the choice alone if it has none.
-
-    Where the stem sticks and slips the first choice stays: full fits take minutes there, and their
-    cost is rough.
-    """
-    if not chosen.effects or has_dry_friction(chosen.fit.parameters.actuator):
+    """Return the choice, then its rivals, all fitted anew; the choice alone if it has none."""
+    if not chosen.effects:
         return [chosen]
+    if has_dry_friction(chosen.fit.parameters.actuator):
+        return _rematch_above(search, chosen, tried)
     rivals: dict[frozenset[str], Candidate] = {}
     for one in sorted(tried, key=lambda c: c.score):
         same = set(one.effects) == set(chosen.effects) or len(one.effects) != len(chosen.effects)
@@ -46,6 +51,23 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
     again = [search.on_both(one, 1) for one in (chosen, *list(rivals.values())[:RIVALS])]
     least = min(one.fit.cost for one in again)
     return sorted(again, key=lambda one: plainness(one, one.fit.cost - least))
+
+
+def _rematch_above(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
+    """Return the choice and its rivals above the stem, the plainest of the best first."""
+    rivals: dict[frozenset[str], Candidate] = {}
+    for one in sorted(tried, key=lambda c: c.score):
+        swapped = set(one.effects) ^ set(chosen.effects)
+        if (len(swapped) == 2 and len(one.effects) == len(chosen.effects) and not one.fault
+                and all(map(shows_above_the_stem, swapped))
+                and one.score < ROUGHLY * chosen.score):
+            rivals.setdefault(frozenset(one.effects), one)
+    again = [chosen]
+    for one in list(rivals.values())[:RIVALS]:
+        z = search.as_seen_above(one, search.carried(one.problem, one, chosen), ('fit',))
+        fit = one.problem.fit(z, evaluations=EVALUATIONS)
+        again.append(search.rate(one.effects, one.problem, fit))
+    return preferred_first(again)
 
 
 def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
