@@ -14,6 +14,7 @@ from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem, declared_freedom, put
 from booster_ros.diagnosis.nameless import best_terms
 from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
 from booster_ros.diagnosis.search import NEAR_NOISE, Search
@@ -208,3 +209,51 @@ def test_what_thinned_rows_blur_is_seen_on_every_row_before_more_is_added():
     tried = selected(searching(late, ('dead_time', 'position_sensor_lag', 'spring_nonlinearity')))
     assert tried.chosen.effects == ('dead_time',)
     assert tried.held_out.misfit < 1.1
+
+
+LEAKING = P._replace(actuator=P.actuator._replace(
+    coulomb_friction=400.0, stiction=100.0, presliding_stiffness=1e7, leak_area=4e-8))
+RUBBING = {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 100.0,
+           'actuator.stribeck_velocity': P.actuator.stribeck_velocity}
+
+
+def standing_at(search, effects, values):
+    """Return the model with these effects where its parameters have these values, not fitted."""
+    problem = search.joint(search.problem(), effects)
+    z = problem.start()
+    for j, free in enumerate(problem.freedoms):
+        if free.knob.parameter in values:
+            z[j] = free.variable(values[free.knob.parameter])
+        elif free.knob.shape:
+            z[j] = free.without_size
+    fit = problem.at(z)
+    residuals = problem.residuals(z)
+    return search.rate(effects, problem, replace(fit, cost=float(residuals @ residuals)))
+
+
+def test_what_lies_above_a_stem_that_sticks_is_taken_from_there():
+    search = searching(seen(LEAKING), ())
+    bent = standing_at(search, ('stem_friction', 'chamber_leak'), {
+        **RUBBING, 'ep_converter.offset': 5e3, 'actuator.leak_area': 1e-8,
+        'actuator.viscous_friction': 4000.0})
+    z = search.as_seen_above(bent, bent.fit.z, ('fit',))
+    p = bent.problem.parameters(z)
+    assert abs(p.ep_converter.offset) < 500.0
+    assert p.actuator.leak_area == pytest.approx(4e-8, rel=0.1)
+    assert p.actuator.viscous_friction == pytest.approx(4000.0)
+    assert p.actuator.coulomb_friction == pytest.approx(400.0)
+    smooth = standing_at(search, ('chamber_leak',), {'ep_converter.offset': 5e3})
+    assert (search.as_seen_above(smooth, smooth.fit.z, ('fit',)) == smooth.fit.z).all()
+
+
+def test_rivals_above_a_stem_that_sticks_meet_again_with_the_same_friction():
+    """The leak that a fit without the right friction had left behind is the plainer of two."""
+    search = searching(seen(LEAKING), ())
+    chosen = standing_at(search, ('exhaust_seat_leak', 'stem_friction'), {
+        **RUBBING, 'booster.exhaust_leak_area': 4e-8})
+    behind = standing_at(search, ('stem_friction', 'chamber_leak'), {
+        **RUBBING, 'actuator.coulomb_friction': 385.0, 'actuator.leak_area': 4e-8})
+    assert chosen.score < behind.score < 2.0 * chosen.score
+    again = rematch(search, chosen, [chosen, behind])
+    assert again[0].effects == ('stem_friction', 'chamber_leak')
+    assert again[0].score < behind.score
