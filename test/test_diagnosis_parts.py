@@ -257,3 +257,17 @@ def test_rivals_above_a_stem_that_sticks_meet_again_with_the_same_friction():
     again = rematch(search, chosen, [chosen, behind])
     assert again[0].effects == ('stem_friction', 'chamber_leak')
     assert again[0].score < behind.score
+
+
+@pytest.mark.parametrize('time_constant', [1200.0, 6000.0])
+def test_a_drift_that_has_hardly_begun_is_one_though_its_size_may_be_any(time_constant):
+    """After 80 s of 6000 s its size is at its bound, 25 Pa/s are as sure as ever."""
+    size = 25.0 * time_constant
+    plant = put(put(P, 'ep_converter.drift', size), 'ep_converter.drift_time_constant',
+                time_constant)
+    tried = searched(plant, ('ep_drift', 'chamber_leak'))
+    assert tried.chosen.effects == ('ep_drift',)
+    assert tried.chosen.misfit < 1.1
+    found = tried.chosen.fit.parameters.ep_converter
+    slope = found.drift / found.drift_time_constant
+    assert slope == pytest.approx(25.0, rel=0.1)

@@ -11,8 +11,13 @@ Array = np.ndarray
 
 DRAWS = 400
 
+SAME_TRACE = 0.01
+"""Share of the square of a size's trace up to which shapes that leave no more do the same."""
+
 WIDEST = 30.0
 """Standard deviation of what a size may be before anything is seen, in typical sizes."""
+
+NOT_TOLD = 'its size is not told from none'
 
 AT_BOUND = 1e-2
 """A size this near its bound, relative to its range, has run into it."""
@@ -87,7 +92,8 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
     Return why a fitted effect is none that this record shows, '' where it is one.
 
     An effect stands if the neutral values of its own sizes lie outside the region that holds 95 %
-    of their draws, and if none has run into its bound: then something else is imitated. The region
+    of their draws, and if none has run into its bound: then something else is imitated, but where
+    a shape does the same as the size, as while a drift is young. The region
     is that of all sizes together: two that do the same may each be anything, their sum may not,
     even where the fit gave all of it to one of them. What would not show at its typical size, nor
     as it stands, has no say.
@@ -97,9 +103,19 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
     sizes = [j for j, free in enumerate(problem.freedoms)
              if free.knob.parameter in own and shows[j]]
     if not fit.seen[sizes].any() or _holds_zero(draws[:, sizes], fit.z[sizes]):
-        return 'its size is not told from none'
-    stuck = [problem.freedoms[j] for j in sizes if _at_bound(problem.freedoms[j], fit.z[j])]
+        return NOT_TOLD
+    stuck = [problem.freedoms[j] for j in sizes if _at_bound(problem.freedoms[j], fit.z[j])
+             and not _traded(problem, fit, j, effect)]
     return f'{stuck[0].knob.parameter} runs into its bound' if stuck else ''
+
+
+def _traded(problem: Problem, fit: Fit, size: int, effect: str) -> bool:
+    """Tell whether the effect's shapes move the residuals as the size does: any size will do."""
+    own = {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}
+    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in own]
+    trace = fit.jacobian[:, size]
+    imitated = fit.jacobian[:, shapes] @ np.linalg.lstsq(fit.jacobian[:, shapes], trace)[0]
+    return bool(np.sum((trace - imitated)**2) < SAME_TRACE * np.sum(trace**2))
 
 
 def _holds_zero(draws: Array, best: Array) -> bool:
