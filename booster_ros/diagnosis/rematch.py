@@ -13,8 +13,9 @@ what lies between two similar effects. So the close ones meet again:
 4. of those that this does not make unlikely beside the best, the plainest is taken.
 
 Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
-what lies above the stem are fitted once more to the thinned rows, all beginning with the friction
-of the choice and with what is seen above the stem; the plainest of those not told apart is taken.
+one effect, above the stem or of it, are fitted once more to the thinned rows, beginning with what
+they share with the choice, or with what is seen above the stem where they differ there; the
+plainest of those not told apart is taken.
 """
 
 from booster_ros.diagnosis.cascade import shows_above_the_stem
@@ -30,7 +31,7 @@ RIVALS = 3
 """So many of them at the most."""
 
 ROUGHLY = 2.0
-"""The same where the stem sticks and only what lies above it differs."""
+"""The same where the stem sticks."""
 
 
 def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
@@ -38,7 +39,7 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
     if not chosen.effects:
         return [chosen]
     if has_dry_friction(chosen.fit.parameters.actuator):
-        return _rematch_above(search, chosen, tried)
+        return _rematch_sticking(search, chosen, tried)
     rivals: dict[frozenset[str], Candidate] = {}
     for one in sorted(tried, key=lambda c: c.score):
         same = set(one.effects) == set(chosen.effects) or len(one.effects) != len(chosen.effects)
@@ -53,18 +54,24 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
     return sorted(again, key=lambda one: plainness(one, one.fit.cost - least))
 
 
-def _rematch_above(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
-    """Return the choice and its rivals above the stem, the plainest of the best first."""
+def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
+    """Return the choice and its rivals in the place of one effect, the plainest first."""
     rivals: dict[frozenset[str], Candidate] = {}
     for one in sorted(tried, key=lambda c: c.score):
         swapped = set(one.effects) ^ set(chosen.effects)
-        if (len(swapped) == 2 and len(one.effects) == len(chosen.effects) and not one.fault
-                and all(map(shows_above_the_stem, swapped))
-                and one.score < ROUGHLY * chosen.score):
+        alike = len(swapped) == 2 and len({shows_above_the_stem(name) for name in swapped}) == 1
+        same = alike and len(one.effects) == len(chosen.effects)
+        if same and not one.fault and one.score < ROUGHLY * chosen.score:
             rivals.setdefault(frozenset(one.effects), one)
+    known = {free.knob.parameter for free in chosen.problem.freedoms}
     again = [chosen]
     for one in list(rivals.values())[:RIVALS]:
-        z = search.as_seen_above(one, search.carried(one.problem, one, chosen), ('fit',))
+        z = search.carried(one.problem, one, chosen)
+        for j, free in enumerate(one.problem.freedoms):
+            if free.knob.parameter not in known and not free.knob.shape:
+                z[j] = 0.0
+        if any(map(shows_above_the_stem, set(one.effects) - set(chosen.effects))):
+            z = search.as_seen_above(one, z, ('fit',))
         fit = one.problem.fit(z, evaluations=EVALUATIONS)
         again.append(search.rate(one.effects, one.problem, fit))
     return preferred_first(again)
