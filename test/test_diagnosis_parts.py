@@ -259,6 +259,21 @@ def test_rivals_above_a_stem_that_sticks_meet_again_with_the_same_friction():
     assert again[0].score < behind.score
 
 
+def test_rivals_of_a_stem_that_sticks_begin_with_the_friction_they_share():
+    """Of a bent stem whose friction is the same everywhere nothing is left but friction."""
+    plain = P._replace(actuator=P.actuator._replace(
+        coulomb_friction=400.0, presliding_stiffness=1e7))
+    search = searching(seen(plain), ())
+    bent = standing_at(search, ('position_dependent_friction',), {
+        'actuator.coulomb_friction': 400.0, 'actuator.friction_gradient': 0.3})
+    behind = standing_at(search, ('stem_friction',), {
+        'actuator.coulomb_friction': 385.0, 'actuator.stiction': 10.0})
+    assert bent.score < behind.score < 2.0 * bent.score
+    again = rematch(search, bent, [bent, behind])
+    assert again[0].effects == ('stem_friction',)
+    assert again[0].fit.parameters.actuator.coulomb_friction == pytest.approx(400.0, rel=0.02)
+
+
 @pytest.mark.parametrize('time_constant', [1200.0, 6000.0])
 def test_a_drift_that_has_hardly_begun_is_one_though_its_size_may_be_any(time_constant):
     """After 80 s of 6000 s its size is at its bound, 25 Pa/s are as sure as ever."""
