@@ -244,8 +244,8 @@ def test_a_size_that_no_row_shows_goes_back_to_neutral():
 
 
 def test_a_declared_parameter_that_ends_at_its_limit_is_pointed_out():
-    for factor in (0.5 * BENCH_RANGE, 2.0 * BENCH_RANGE):
-        experiment = bench(factor * DECLARED.booster.opening_gain, 0.0)
+    for factor, preload in ((2.0, 0.37), (0.5 * BENCH_RANGE, 0.0), (2.0 * BENCH_RANGE, 0.0)):
+        experiment = bench(factor * DECLARED.booster.opening_gain, preload)
         found = diagnose(experiment, DECLARED)
         gain, area = (next(one for one in found.refitted if one.name == f'booster.{name}')
                       for name in ('opening_gain', 'max_area'))

@@ -17,8 +17,6 @@ SAME_TRACE = 0.01
 WIDEST = 30.0
 """Standard deviation of what a size may be before anything is seen, in typical sizes."""
 
-NOT_TOLD = 'its size is not told from none'
-
 AT_BOUND = 1e-2
 """A size this near its bound, relative to its range, has run into it."""
 
@@ -103,7 +101,7 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
     sizes = [j for j, free in enumerate(problem.freedoms)
              if free.knob.parameter in own and shows[j]]
     if not fit.seen[sizes].any() or _holds_zero(draws[:, sizes], fit.z[sizes]):
-        return NOT_TOLD
+        return 'its size is not told from none'
     stuck = [problem.freedoms[j] for j in sizes if _at_bound(problem.freedoms[j], fit.z[j])
              and not _traded(problem, fit, j, effect)]
     return f'{stuck[0].knob.parameter} runs into its bound' if stuck else ''

@@ -9,7 +9,6 @@ import itertools
 import numpy as np
 
 from booster_ros.diagnosis.cascade import shows_above_the_stem
-from booster_ros.diagnosis.intervals import NOT_TOLD
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.search import (
     FAR_BEHIND, FINALISTS, MOST_BESIDE_STICKING, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING,
@@ -282,14 +281,9 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
 
 
 def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
-    """
-    Leave out every effect that the last and fullest fit does not tell from none.
-
-    A size that only now ran into its bound stays: along a line on which size and shape trade, as
-    those of a drift that the record does not see end, more rows lead anywhere at little gain.
-    """
+    """Leave out every effect that the last and fullest fit does not tell from none."""
     for name in chosen.effects:
-        if search.fault(chosen.problem, chosen.fit, name) == NOT_TOLD:
+        if search.fault(chosen.problem, chosen.fit, name):
             rest = tuple(e for e in chosen.effects if e != name)
             smaller = search.on_both(search.without(chosen, rest), 1)
             everything.append(smaller)
