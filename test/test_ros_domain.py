@@ -14,7 +14,8 @@ from booster_ros.programs.ros_domain import claim_domain
 
 CLAIM_AND_WAIT = """
 from booster_ros.programs.ros_domain import claim_domain
-print(claim_domain().id, flush=True)
+claimed = [claim_domain() for _ in range(10)]  # held on to: a claim ends with its object
+print(*(domain.id for domain in claimed), flush=True)
 input()
 """
 
@@ -39,10 +40,12 @@ def test_claims_of_several_processes_differ_and_end_with_them():
         )
         for _ in range(4)
     ]
-    ids += [int(other.stdout.readline()) for other in others]
+    ids += [int(domain) for other in others for domain in other.stdout.readline().split()]
     for other in others:
         other.communicate('\n')
-    assert len(set(ids)) == 5
+    assert len(ids) == 41
+    assert len(set(ids)) == 41
+    claim_domain(among=ids[1:]).release()
 
 
 def test_a_domain_in_which_a_participant_listens_is_not_claimed():
