@@ -8,7 +8,8 @@ from made_diagnosis import BENT, DECLARED, record_of, timed_columns, unknown_fou
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.cascade import above_the_stem, shows_above_the_stem
+from booster_ros.diagnosis.candidate import NEAR_NOISE
+from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem, declared_freedom, put
@@ -17,7 +18,7 @@ from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
-from booster_ros.diagnosis.search import NEAR_NOISE, Search
+from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import split, split_sweep
 from booster_ros.diagnosis.selection import compared, named
 from booster_ros.diagnosis.validation import validated
@@ -236,14 +237,14 @@ def test_what_lies_above_a_stem_that_sticks_is_taken_from_there():
     bent = standing_at(search, ('stem_friction', 'chamber_leak'), {
         **RUBBING, 'ep_converter.offset': 5e3, 'actuator.leak_area': 1e-8,
         'actuator.viscous_friction': 4000.0})
-    z = search.as_seen_above(bent, bent.fit.z, ('fit',))
+    z = as_seen_above(search, bent, bent.fit.z, ('fit',))
     p = bent.problem.parameters(z)
     assert abs(p.ep_converter.offset) < 500.0
     assert p.actuator.leak_area == pytest.approx(4e-8, rel=0.1)
     assert p.actuator.viscous_friction == pytest.approx(4000.0)
     assert p.actuator.coulomb_friction == pytest.approx(400.0)
     smooth = standing_at(search, ('chamber_leak',), {'ep_converter.offset': 5e3})
-    assert (search.as_seen_above(smooth, smooth.fit.z, ('fit',)) == smooth.fit.z).all()
+    assert (as_seen_above(search, smooth, smooth.fit.z, ('fit',)) == smooth.fit.z).all()
 
 
 def test_rivals_above_a_stem_that_sticks_meet_again_with_the_same_friction():

@@ -11,7 +11,7 @@ import pytest
 from booster_ros.diagnosis.fit import Problem, declared_freedom
 from booster_ros.diagnosis.nameless import as_good, beyond_names, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.search import Candidate, clearly_better
+from booster_ros.diagnosis.candidate import Candidate, clearly_better
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.model import discrepancy as term

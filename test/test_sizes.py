@@ -17,7 +17,7 @@ from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_si
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.screening import with_effect
-from booster_ros.diagnosis.search import Candidate
+from booster_ros.diagnosis.candidate import Candidate
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure, PositionerParameters

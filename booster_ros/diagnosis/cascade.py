@@ -13,9 +13,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import savgol_filter
 
+from booster_ros.diagnosis.candidate import Candidate
 from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import Free
+from booster_ros.diagnosis.fit import Fit, Free
+from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, carried
+from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
 
 WINDOW = 11
 """Rows over which the measured position is smoothed to have a velocity."""
@@ -60,3 +65,41 @@ def free_above_the_stem(freedoms: tuple[Free, ...]) -> tuple[Free, ...]:
     """Return the declared parameters that matter above the stem."""
     return tuple(free for free in freedoms if free.knob.parameter in _PARAMETERS
                  or free.knob.parameter.split('.')[0] in _PLACES)
+
+
+def search_above(search: Search, fit: Fit) -> Search | None:
+    """Return the search above the stem where friction rules the stem, else None."""
+    if not has_dry_friction(fit.parameters.actuator):
+        return None
+    above = above_the_stem(search.experiment)
+    return None if above is None else replace(
+        search, experiment=above, freedoms=free_above_the_stem(search.freedoms),
+        thinning=THINNING)
+
+
+def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[str, ...]) -> Array:
+    """
+    Return z with what lies above a stem that sticks as the measured stem tells it.
+
+    What was fitted before friction was in the model had imitated it, and a fit of all at once
+    stays there: which slip comes when makes its cost rough. Above the stem nothing is rough.
+    """
+    above = search_above(search, candidate.fit)
+    if above is None:
+        return z
+    effects = tuple(e for e in candidate.effects if shows_above_the_stem(e))
+    upper = above.on(above.joint(above.problem(), effects), roles, above.thinning)
+    fitted = upper.fit(as_given(upper, carried(upper, candidate.fit)))
+    body = carried(candidate.problem, candidate.fit, fitted)[:len(candidate.problem.freedoms)]
+    return np.concatenate([body, z[len(body):]])
+
+
+def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
+    """Return the model of a stem that sticks, fitted on from what is seen above the stem."""
+    problem = candidate.problem
+    start = as_seen_above(search, candidate, candidate.fit.z, ('fit',))
+    fit = problem.fit(start, evaluations=EVALUATIONS)
+    if fit.cost >= candidate.fit.cost:
+        return candidate
+    better = search.rate(candidate.effects, problem, fit)
+    return replace(better, confirmed=candidate.confirmed)

@@ -12,14 +12,15 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
+from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, gain, told_apart
+from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
-from booster_ros.diagnosis.search import (
-    EVALUATIONS, NEAR_NOISE, Candidate, Search, as_given, gain, polished, told_apart)
+from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, polished
 from booster_ros.diagnosis.segments import rows_of, segment_of_row, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, UNNAMED
@@ -157,7 +158,7 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
         fit = polished(problem, fit)
     if not candidate.effects or fit.cost < NEAR_NOISE * problem.rows_counted():
         return problem, problem.without_unseen(fit)
-    other = search.as_seen_above(candidate, fit.z, USED) if dry else as_given(problem, fit.z)
+    other = as_seen_above(search, candidate, fit.z, USED) if dry else as_given(problem, fit.z)
     again = problem.fit(other, evaluations=EVALUATIONS)
     return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
 

@@ -4,10 +4,10 @@
 
 import numpy as np
 
+from booster_ros.diagnosis.candidate import TOO_SIMILAR, Candidate, clearly_better, told_apart
 from booster_ros.diagnosis.fit import Problem
-from booster_ros.diagnosis.search import (
-    EVALUATIONS, FIRST_EVALUATIONS, TOO_SIMILAR, Candidate, Search, clearly_better, polished,
-    told_apart)
+from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
+from booster_ros.diagnosis.search import EVALUATIONS, Search, polished
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
 from booster_ros.diagnosis.unknown import UNNAMED, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term

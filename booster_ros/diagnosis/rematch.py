@@ -18,10 +18,11 @@ they share with the choice, or with what is seen above the stem where they diffe
 plainest of those not told apart is taken.
 """
 
-from booster_ros.diagnosis.cascade import shows_above_the_stem
+from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
+from booster_ros.diagnosis.cascade import as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.indistinct import alike
-from booster_ros.diagnosis.search import (
-    EVALUATIONS, UNLIKELY, Candidate, Search, plainness, preferred_first, redundant)
+from booster_ros.diagnosis.next_effect import redundant
+from booster_ros.diagnosis.search import EVALUATIONS, Search, carried
 from booster_ros.model.actuator import has_dry_friction
 
 NEAR = 1.15
@@ -66,12 +67,12 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
     known = {free.knob.parameter for free in chosen.problem.freedoms}
     again = [chosen]
     for one in list(rivals.values())[:RIVALS]:
-        z = search.carried(one.problem, one, chosen)
+        z = carried(one.problem, one.fit, chosen.fit)
         for j, free in enumerate(one.problem.freedoms):
             if free.knob.parameter not in known and not free.knob.shape:
                 z[j] = 0.0
         if any(map(shows_above_the_stem, set(one.effects) - set(chosen.effects))):
-            z = search.as_seen_above(one, z, ('fit',))
+            z = as_seen_above(search, one, z, ('fit',))
         fit = one.problem.fit(z, evaluations=EVALUATIONS)
         again.append(search.rate(one.effects, one.problem, fit))
     return preferred_first(again)

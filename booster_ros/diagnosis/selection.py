@@ -1,6 +1,28 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which of the named effects a record calls for: the search (see search), driven to its end."""
+"""
+The search for what the model lacks: which named effects a record calls for.
+
+Model: the declared model with its parameters refitted within their priors, plus at most three
+named effects, two where the stem sticks. Numbered as carried out:
+
+1. refit the declared parameters on the fit segments;
+2. screen every effect in the catalogue with the declared parameters reacting (see screening);
+3. fit the most promising jointly with the declared parameters, on the fit segments, thinned (see
+   next_effect);
+4. leave out those whose size is not told from none, or which run into their bounds (see
+   intervals), and score the others on the select segments; the score is the sum of squared scaled
+   residuals and of the departures that the priors of the declared parameters hold against a model;
+5. keep the best and go on from 2 for a second and a third effect while the score falls by more
+   than one standard error (paired, over segments), by a share that matters, and by a third of
+   what noise does not explain; where the stem sticks, what lies above it is sought with the stem
+   driven as measured (see cascade). Where noise could be all from the start, an effect must lower
+   the cost of the fit clearly as well. What an effect leaves on thinned rows must be left on every
+   row before a next one is looked for;
+6. try every other effect in the place of each of several, then leave each out again; not where a
+   term without a name leaves far less than all of them together (see nameless);
+7. models near the choice are fitted to every row and compared once more (see rematch).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,15 +30,23 @@ import itertools
 
 import numpy as np
 
-from booster_ros.diagnosis.cascade import shows_above_the_stem
+from booster_ros.diagnosis.candidate import (
+    NEAR_NOISE, Candidate, clearly_better, preferred_first, told_apart)
+from booster_ros.diagnosis.cascade import seen_from_above, shows_above_the_stem
+from booster_ros.diagnosis.next_effect import FINALISTS, PROMISING, extend
 from booster_ros.diagnosis.rematch import rematch
-from booster_ros.diagnosis.search import (
-    FAR_BEHIND, FINALISTS, MOST_BESIDE_STICKING, MOST_EFFECTS, NEAR_NOISE, NEGLIGIBLE, PROMISING,
-    Candidate, Search, clearly_better, preferred_first, told_apart)
+from booster_ros.diagnosis.search import FAR_BEHIND, Search
 from booster_ros.model.actuator import has_dry_friction
 
 Progress = Callable[[str, float], None]
 _Fewer = dict[tuple[Candidate, tuple[str, ...]], Candidate]
+
+MOST_EFFECTS = 3
+MOST_BESIDE_STICKING = 2
+"""Effects in all: where the stem sticks, which slip comes when hides a third, and costs minutes."""
+
+NEGLIGIBLE = 2e-3
+"""Of the declared model's excess over noise, this share may be what idealising an effect leaves."""
 
 PLAUSIBLE = 12.0
 """Sum of squared departures of the declared parameters that their priors still allow."""
@@ -124,7 +154,7 @@ def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: 
     if not chosen.effects or _explained(chosen, refit):
         return chosen
     if has_dry_friction(chosen.fit.parameters.actuator):
-        sharp = search.seen_from_above(chosen)
+        sharp = seen_from_above(search, chosen)
     else:
         sharp = search.on_every_row(chosen)
         if not _explained(sharp, refit):
@@ -218,7 +248,7 @@ def _round(search: Search, parent: Candidate, level: int, tell: Progress, worth:
         share = min(next(done) / steps, 1.0)
         tell(f'trying effect {level + 1}', 0.05 + 0.2 * (level + share))
 
-    return search.extend(parent, tick, worth=worth)
+    return extend(search, parent, tick, worth=worth)
 
 
 def _without(search: Search, chosen: Candidate, name: str, everything: list[Candidate],
@@ -249,8 +279,8 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     for k, name in enumerate(chosen.effects[:-1]):
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
         parent = _without(search, chosen, name, everything, fewer)
-        others = search.extend(
-            parent, lambda: None, _not_instead(chosen, parent, name, search.names),
+        others = extend(
+            search, parent, lambda: None, _not_instead(chosen, parent, name, search.names),
             worth=FAR_BEHIND * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]

@@ -1,0 +1,110 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A model with some effects, fitted and scored: which of two is better, which one is plainer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
+
+NEAR_NOISE = 1.15
+"""Mean square misfit below which no further effect is looked for."""
+
+WORTH_ADDING = 0.05
+"""An effect must lower the score by this share: less is below what noise and rounding hide."""
+
+WORTH_EXPLAINING = 0.3
+"""And it must explain this share of what noise does not."""
+
+TOO_SIMILAR = 0.05
+"""Models whose scores differ by less than this share are not told apart by a record."""
+
+UNLIKELY = 9.0
+"""A model that costs so much more than another, fitted to all the same rows, is unlikely."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """
+    A model: its effects, its fit, and how it scores on the select segments.
+
+    `confirmed` says that its last effect explains enough of what is seen above the stem, where
+    the stem's friction blurs the whole; `fault` why its last effect is none that this record shows.
+    """
+
+    effects: tuple[str, ...]
+    problem: Problem
+    fit: Fit
+    by_segment: Array
+    prior: float
+    samples: int
+    confirmed: bool = False
+    fault: str = ''
+
+    @property
+    def score(self) -> float:
+        """Sum of squares on the select segments plus the prior's share."""
+        return float(self.by_segment.sum()) + self.prior
+
+    @property
+    def misfit(self) -> float:
+        """Mean square of the scaled residuals on the select segments: 1 is noise."""
+        return float(self.by_segment.sum()) / max(self.samples, 1)
+
+
+def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
+    """Return by how much the score falls, and the standard error of that, paired by segment."""
+    difference = worse.by_segment - better.by_segment
+    error = float(np.std(difference, ddof=1) * np.sqrt(len(difference))) if len(
+        difference) > 1 else 0.0
+    return worse.score - better.score, error
+
+
+def clearly_better(better: Candidate, worse: Candidate) -> bool:
+    """Tell whether the score falls by more than one standard error and by what matters."""
+    fall, error = gain(worse, better)
+    excess = max(worse.score - worse.samples, 0.0)
+    enough = better.confirmed or fall > WORTH_EXPLAINING * excess
+    return enough and fall > error and fall > WORTH_ADDING * worse.score
+
+
+def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
+    """
+    Return the candidates by score; of those not told apart from the best, the plainest first.
+
+    Those with a fault come last.
+    """
+    ranked = sorted(candidates, key=lambda c: (bool(c.fault), c.score))
+    if not ranked:
+        return ranked
+    ties = [c for c in ranked if c.fault == ranked[0].fault and not told_apart(c, ranked[0])]
+    ties.sort(key=lambda c: plainness(c, 0.0))
+    return ties + [c for c in ranked if c not in ties]
+
+
+def plainness(candidate: Candidate, behind: float) -> tuple[bool, int, int]:
+    """
+    Return what models that a record does not tell apart are ranked by, the plainest first.
+
+    Those that the data make unlikely, `behind` the best by too much cost, come last; then fewest
+    sizes; then the order of the catalogue, which lists common causes first.
+    """
+    order = list(EFFECTS)
+    return (behind > UNLIKELY, _sizes_shown(candidate),
+            sum(order.index(e) for e in candidate.effects))
+
+
+def _sizes_shown(candidate: Candidate) -> int:
+    """Return how many sizes of effects move the record by more than its noise."""
+    return sum(not free.knob.shape and not np.isfinite(free.sigma) and bool(seen)
+               for free, seen in zip(candidate.problem.freedoms, candidate.fit.seen))
+
+
+def told_apart(worse: Candidate, better: Candidate) -> bool:
+    """Tell whether the record prefers one model: by a standard error and a share that matters."""
+    fall, error = gain(worse, better)
+    return fall > TOO_SIMILAR * better.score and fall > error
