@@ -92,9 +92,13 @@ def ensembles() -> str:
 FRICTION: tuple[tuple[str, dict[str, object]], ...] = (
     ('none', {'actuator.coulomb_friction': 0.0, 'actuator.stiction': 0.0}),
     ('sliding friction 400 N', {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 0.0}),
-    ('300 N more to break away', {
-        'actuator.coulomb_friction': 400.0, 'actuator.stiction': 300.0,
-        'actuator.stribeck_velocity': 1e-3}),
+    ('300 N, and 100 N more to break away', {
+        'actuator.coulomb_friction': 300.0, 'actuator.stiction': 100.0}),
+    ('the same with presliding', {
+        'actuator.coulomb_friction': 300.0, 'actuator.stiction': 100.0,
+        'actuator.presliding_stiffness': 3e6}),
+    ('400 N, and 300 N more to break away', {
+        'actuator.coulomb_friction': 400.0, 'actuator.stiction': 300.0}),
 )
 
 
