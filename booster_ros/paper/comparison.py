@@ -21,7 +21,7 @@ def comparison(played: Sequence[StepIndices], printed: Mapping[str, PrintedIndex
     """Return Table III with a column for each played step, and how far the mean is off."""
     steps = ''.join(f'{f"step {number}":>10}' for number in range(1, len(played) + 1))
     lines = [
-        f'{"Table III":32}{"the paper":>20}{"booster_ros":>{10 * len(played)}}',
+        f'{"Table III":32}{"the paper":>20}{" booster_ros":>{10 * len(played)}}',
         f'{"":32}{"measured":>10}{"simulated":>10}{steps}{"to simulated":>14}',
     ]
     for name, label in LABELS.items():

@@ -30,7 +30,7 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
             0.01, 10_000.0, 'fast enough to see the E/P lag of 34 ms'),
         Description(
             'integration_step', 1e-3, 's', 'interval of the integration, at most one tick',
-            1e-6, 0.1, 'error against the reference: docs/model.md'),
+            1e-6, 0.1, 'error against the reference: docs/accuracy.md'),
         Description(
             'max_catch_up', 60.0, 's', 'longest gap of the clock that is caught up; a longer one '
             'is a jump of the clock, which is reported and not simulated',
