@@ -5,6 +5,7 @@
 from collections.abc import Callable, Iterable
 from pathlib import Path
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from booster_ros.records import RecordError, read_record
 from booster_ros.records.bag_writer import STORAGE, BagWriter
+from booster_ros.records.time_base import Signal, merge
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 START = 1_700_000_000_000_000_000
@@ -105,10 +107,9 @@ def test_topics_become_columns_on_one_time_base(tmp_path, storage, name):
     np.testing.assert_allclose(record['time'], np.arange(100) / 100, atol=1e-9)
     # The samples of the time base stay as they are …
     np.testing.assert_array_equal(record['chamber_pressure'], 150_000.0 + 100 * np.arange(100))
-    # … the other signal is interpolated, but not beyond its ends …
-    assert np.isnan(record['valve_position'][0])
+    # … those of the other signal are carried 2 ms back along their slope …
     np.testing.assert_allclose(
-        record['valve_position'][1:], 0.001 + 1e-6 * (np.arange(1, 100) - 0.2), rtol=1e-9)
+        record['valve_position'], 0.001 + 1e-6 * (np.arange(100) - 0.2), rtol=1e-9)
     # … and the command that was sent 3 ms after a sample counts from there on.
     np.testing.assert_array_equal(
         record['control_current'], np.where(np.arange(100) < 50, 4e-4, 3e-4))
@@ -140,14 +141,45 @@ def test_a_command_counts_for_the_row_that_it_covers_for_longer(tmp_path):
     assert record['time'][first] == pytest.approx(0.51)
 
 
-def test_a_signal_is_not_interpolated_across_a_gap(tmp_path):
+def test_a_bag_without_the_library_that_reads_it_is_refused_by_name(tmp_path, monkeypatch):
+    bag = write_bag(tmp_path / 'record', plain_messages())
+    monkeypatch.delitem(sys.modules, 'booster_ros.records.bag_reader', raising=False)
+    monkeypatch.setitem(sys.modules, 'rosbags.rosbag2', None)
+    with pytest.raises(RecordError, match=r'record: reading a bag needs .* rosbags'):
+        read_record(bag)
+
+
+def test_a_slower_signal_counts_in_the_rows_nearest_to_its_samples_only(tmp_path):
+    messages = [message for k, message in enumerate(plain_messages())
+                if 'position' not in message[0] or (k // 3) % 5 == 0]
+    record = read_record(write_bag(tmp_path / 'record', messages))
+    known = np.flatnonzero(np.isfinite(record['valve_position']))
+    np.testing.assert_array_equal(known, np.arange(0, 100, 5))
+    np.testing.assert_allclose(
+        record['valve_position'][known], 0.001 + 1e-6 * (known - 0.2), rtol=1e-9)
+
+
+def test_a_signal_at_other_times_keeps_its_noise(tmp_path):
+    """Interpolated half way between two samples it would have 0.7 of it."""
+    rng = np.random.default_rng(1)
+    time, between = np.arange(2000) / 100, np.arange(1999) / 100 + 0.005
+    columns, _, _ = merge({
+        'valve_position': Signal('/x', time, np.zeros(2000)),
+        'chamber_pressure': Signal('/p', between, 4e3 * between + rng.standard_normal(1999))})
+    left = (columns['chamber_pressure'] - 4e3 * time)[2:-3]
+    assert np.isfinite(left).all()
+    assert abs(np.mean(left)) < 0.1
+    assert np.std(left) == pytest.approx(1.0, abs=0.06)
+
+
+def test_a_signal_has_no_rows_in_its_gap(tmp_path):
     messages = [
         message for message in plain_messages()
         if not ('position' in message[0] and START + 30 * TICK < message[2] < START + 60 * TICK)
     ]
     record = read_record(write_bag(tmp_path / 'record', messages))
     missing = np.flatnonzero(np.isnan(record['valve_position']))
-    np.testing.assert_array_equal(missing, [0, *range(30, 61)])
+    np.testing.assert_array_equal(missing, np.arange(30, 60))
     assert 'missing_values' in kinds(record)
 
 

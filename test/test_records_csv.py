@@ -94,7 +94,10 @@ def test_dialects_read_the_same(tmp_path, mangle):
     (replaced(1, 'time,a,b,c'), 'row 1: no known column beside time'),
     (replaced(1, 'time,time,chamber_pressure,c'), 'row 1: column time appears twice'),
     (replaced(1, 'timestamp,control_current,b,c'), "row 1: column 'timestamp' looks like the time"),
-    (replaced(1, 'time [s],control_current,b,c'), "row 1: column 'time [s]' looks like the time"),
+    (replaced(1, '__time,control_current,b,c'), "row 1: column '__time' looks like the time"),
+    (replaced(1, 'elapsed_time,control_current,b,c'), "'elapsed_time' looks like the time"),
+    (replaced(1, 'time,control_current (mA),b,c'),
+     "row 1: column 'control_current (mA)' must be in A: convert it and call it control_current"),
     (replaced(1, ''), 'the first row is empty'),
     ([HEADER], 'has a header and no rows of data'),
     ([HEADER, '', ''], 'has a header and no rows of data'),
@@ -103,6 +106,8 @@ def test_dialects_read_the_same(tmp_path, mangle):
     ([HEADER] + ['0.0,1e-4,2e5,0.01'] * 3, 'row 3, column time: stands still in all rows'),
     (['time,chamber_pressure'] + [f'{k},{k % 4}' for k in range(50)],
      'row 5, column chamber_pressure: the largest value is 3, which looks like kPa, bar'),
+    (['time,chamber_pressure'] + [f'{k},{150 if k > 9 else 0.1 * (-1) ** k}' for k in range(50)],
+     'column chamber_pressure: the largest value is 150, which looks like kPa, bar'),
     (['time,chamber_pressure'] + [f'{1.7e18 + k:.0f},{k}' for k in range(50)],
      'row 2, column time: 1.7e+18 is not plausible in s'),
 ])
@@ -130,6 +135,12 @@ def test_what_is_not_csv_is_named(tmp_path, content, says):
 def test_a_file_that_is_not_there_is_refused_by_name(tmp_path):
     with pytest.raises(RecordError, match=r'nothing\.csv: No such file'):
         read_record(tmp_path / 'nothing.csv')
+
+
+def test_a_unit_behind_a_name_may_stand_there_if_it_is_ours(tmp_path):
+    header = 'time [s],control_current [A],chamber_pressure (Pa),valve_position [m]'
+    record = read_lines(tmp_path, replaced(1, header))
+    assert set(record.columns) == set(HEADER.split(','))
 
 
 def test_unknown_columns_may_hold_anything_and_are_noted(tmp_path):

@@ -32,7 +32,12 @@ def read_record(
     """
     if Path(path).is_dir() or Path(path).suffix in _BAG_SUFFIXES:
         # Reading CSV needs no rosbags.
-        from booster_ros.records.bag_reader import read_bag
+        try:
+            from booster_ros.records.bag_reader import read_bag
+        except ModuleNotFoundError as missing:
+            raise RecordError(
+                f'{path}: reading a bag needs the Python package {missing.name}, which is not '
+                'installed') from None
         return clean(*read_bag(path, topics, stamps))
     columns, rows, defects = read_csv(path)
     return clean(columns, rows, str(path), defects)

@@ -5,6 +5,7 @@
 import csv
 from dataclasses import dataclass
 import difflib
+import re
 
 from booster_ros.records.record import COLUMNS, Defect, RecordError
 
@@ -17,6 +18,7 @@ _OTHER_ENCODINGS = {
     b'SQLite': 'an SQLite data base; give the folder of the bag',
     b'\x89MCAP': 'an MCAP bag; its name must end in .mcap',
 }
+_SURELY_TIME = {'time', 'stamp', 'timestamp'}
 _NAMES_FOR_TIME = {
     'time', 't', 'sec', 'secs', 'second', 'seconds', 'stamp', 'timestamp', 'datetime', 'date',
 }
@@ -53,7 +55,7 @@ def read_header(line: bytes, source: str) -> Header:
     positions: dict[str, int] = {}
     defects = []
     for place, cell in enumerate(cells):
-        name = _normalised(cell)
+        name = _without_unit(cell, source)
         if name not in COLUMNS:
             defects.append(_ignored(cell, place))
             continue
@@ -89,6 +91,20 @@ def _normalised(cell: str) -> str:
     return cell.strip().lower().replace(' ', '_').replace('-', '_')
 
 
+def _without_unit(cell: str, source: str) -> str:
+    """Return the name of a column without the unit behind it, which must be ours."""
+    name = _normalised(cell)
+    parts = re.fullmatch(r'(\w+?)_*[\[(](.*)[\])]', name)
+    if parts is None or parts[1] not in COLUMNS:
+        return name
+    unit = COLUMNS[parts[1]].unit
+    if parts[2].strip('_') != unit.lower():
+        raise RecordError(
+            f'{source}, row 1: column {cell.strip()!r} must be in {unit}: convert it and call it '
+            f'{parts[1]}')
+    return parts[1]
+
+
 def _ignored(cell: str, place: int) -> Defect:
     label = cell.strip() or f'number {place + 1}'
     near = difflib.get_close_matches(_normalised(cell), COLUMNS, n=1, cutoff=0.75)
@@ -103,8 +119,9 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
     Ignoring it would silently turn a record in time into a quasi-static sweep.
     """
     for cell in cells:
-        words = _normalised(cell).replace('[', '_').replace('(', '_').split('_')
-        if words[0] in _NAMES_FOR_TIME:
+        words = re.split('[^a-z]+', _normalised(cell))
+        words = [word for word in words if word]
+        if set(words[:1]) & _NAMES_FOR_TIME or set(words) & _SURELY_TIME:
             raise RecordError(
                 f'{source}, row 1: column {cell.strip()!r} looks like the time; '
                 'call it time, in seconds'

@@ -5,8 +5,9 @@ Put signals that were sampled at different times on one time base.
 
 The time base is the stamps of one measured signal, so that its samples stay as they were. A command
 holds until the next one; a row has the command that is in force in the middle between its stamp and
-the next, so that commands come neither late nor early on average. Other measured signals are
-interpolated linearly between two samples, never across a gap and never beyond their ends.
+the next, so that commands come neither late nor early on average. Each sample of another measured
+signal goes to the row nearest to it, carried there along the slope around it; other rows have none.
+Interpolation would fill them with what was not measured, and take away noise that was.
 """
 
 from collections.abc import Mapping
@@ -16,6 +17,14 @@ import numpy as np
 
 from booster_ros.records.record import MEASURED, Array, Defect
 from booster_ros.records.time_axis import GAP_PERIODS
+
+
+SLOPE_SAMPLES = 2
+"""Samples on either side over which a slope is taken: it adds 3 % to the noise at the most."""
+
+
+MIDDLE = 0.2
+"""Samples this near the middle between two rows, in rows, go to the first of them."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +49,8 @@ def merge(signals: Mapping[str, Signal]) -> tuple[dict[str, Array], Array, list[
             columns[name] = hold(signal, _middles(time))
             how.append(f'{name} holds until its next message')
         else:
-            columns[name] = interpolate(signal, time)
-            how.append(f'{name} is interpolated between messages')
+            columns[name] = carried(signal, time)
+            how.append(f'each sample of {name} counts in the row nearest to it')
     rows = np.arange(1, time.size + 1)
     defects = [Defect('time_base', '', 0, 0, time.size, ', '.join(how))]
     return *_from_first_command(columns, rows, defects), defects
@@ -53,16 +62,39 @@ def hold(signal: Signal, time: Array) -> Array:
     return np.where(last >= 0, signal.values[last], np.nan)
 
 
-def interpolate(signal: Signal, time: Array) -> Array:
-    """Return the values between two samples, NaN in gaps and outside."""
-    values = np.interp(time, signal.time, signal.values, left=np.nan, right=np.nan)
-    steps = np.diff(signal.time)
-    if steps.size < 2:
+def carried(signal: Signal, time: Array) -> Array:
+    """
+    Return each sample in the row nearest to it, at that row's time; NaN in rows without one.
+
+    A sample further from every row than rows are from each other is in a gap of theirs, and lost.
+    """
+    values = np.full(time.size, np.nan)
+    if time.size < 2:
         return values
-    after = np.searchsorted(signal.time, time, side='left').clip(1, steps.size)
-    is_sample = signal.time[after] == time
-    is_gap = steps > GAP_PERIODS * np.median(steps)
-    return np.where(is_gap[after - 1] & ~is_sample & (time > signal.time[0]), np.nan, values)
+    after = np.searchsorted(time, signal.time).clip(1, time.size - 1)
+    usual = np.median(np.diff(time))
+    # half way between two rows it is the first of them, or by jitter every other sample were lost
+    nearer = time[after] - signal.time < signal.time - time[after - 1] - MIDDLE * usual
+    row = after - 1 + nearer
+    ahead = time[row] - signal.time
+    # where two samples go to one row, the nearer is written last
+    order = np.argsort(-np.abs(ahead), kind='stable')
+    order = order[np.abs(ahead[order]) <= usual]
+    moved = signal.values + np.where(ahead == 0.0, 0.0, _slope(signal) * ahead)
+    values[row[order]] = moved[order]
+    return values
+
+
+def _slope(signal: Signal) -> Array:
+    """Return the slope around each sample, 0 beside a gap."""
+    size = signal.time.size
+    if size < 2:
+        return np.zeros(size)
+    first = (np.arange(size) - SLOPE_SAMPLES).clip(0)
+    last = (np.arange(size) + SLOPE_SAMPLES).clip(None, size - 1)
+    length = signal.time[last] - signal.time[first]
+    whole = length <= (2 * SLOPE_SAMPLES - 1 + GAP_PERIODS) * np.median(np.diff(signal.time))
+    return np.where(whole, (signal.values[last] - signal.values[first]) / length, 0.0)
 
 
 def _middles(time: Array) -> Array:

@@ -11,6 +11,7 @@ LARGEST_KILOPASCALS = 2000.0
 
 _NOISE_SHARE = 0.05
 _PRACTICALLY_ZERO = 0.01
+_LIKE_SIZE = 5.0
 
 
 def check_finite(column: str, values: Array, rows: Array, source: str) -> None:
@@ -38,14 +39,16 @@ def check_pressure_scale(column: str, values: Array, rows: Array, source: str) -
     """
     Raise RecordError when a whole pressure column is too small to be in pascals.
 
-    A vented chamber is exempt: it reads zero, or noise around zero with values of both signs.
+    A vented chamber is exempt: it reads zero, or noise around zero with values of both signs and of
+    like size.
     """
     if COLUMNS[column].unit != 'Pa':
         return
     known = values[np.isfinite(values)]
     if not known.size or np.abs(known).max() >= LARGEST_KILOPASCALS:
         return
-    is_vented = np.abs(known).max() < _PRACTICALLY_ZERO or np.mean(known < 0.0) > _NOISE_SHARE
+    around_zero = known.max() < _LIKE_SIZE * -known.min() and np.mean(known < 0.0) > _NOISE_SHARE
+    is_vented = np.abs(known).max() < _PRACTICALLY_ZERO or around_zero
     if is_vented:
         return
     highest = int(np.nanargmax(np.abs(values)))
