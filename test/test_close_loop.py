@@ -61,13 +61,14 @@ def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
     leaking = closed._replace(actuator=closed.actuator._replace(leak_area=4e-8))
     clock = 0.1 * np.arange(300)
     run = simulate(leaking, clock, np.zeros(300), {'chamber_pressure': 140e3})
-    noise = 100.0 * np.random.default_rng(5).standard_normal(300)
-    record = write(tmp_path / 'decay.csv', {
-        'time': clock, 'chamber_pressure': run['chamber_pressure'] + noise})
+    noise = 100.0 * np.random.default_rng(5).standard_normal((2, 300))
+    record, again = (write(tmp_path / name, {
+        'time': clock, 'chamber_pressure': run['chamber_pressure'] + one})
+        for name, one in zip(('decay.csv', 'again.csv'), noise))
     write_parameter_file(tmp_path / 'closed.yaml', closed)
     out = tmp_path / 'made' / 'here'
     done = close_loop('--record', record, '--params', tmp_path / 'closed.yaml', '--out', out,
-                      '--validation', record)
+                      '--validation', again)
     assert done.returncode == 0, done.stderr
     assert {path.name for path in out.iterdir()} == WRITTEN
     report = json.loads((out / 'report.json').read_text())
@@ -103,6 +104,22 @@ def test_an_output_that_is_a_file_is_refused_and_kept(tmp_path, declared, record
     out.write_text('mine')
     assert_refused(close_loop('--record', record, '--params', declared, '--out', out), str(out))
     assert out.read_text() == 'mine'
+    assert_refused(close_loop('--record', record, '--params', declared, '--out', out / 'inside'),
+                   str(out), 'is not a folder')
+
+
+def test_a_result_that_would_replace_an_input_or_a_folder_is_refused_before_it_is_sought(
+        tmp_path, declared, record):
+    given = declared.rename(tmp_path / 'positioner.yaml')
+    before = given.read_text()
+    run = ('--record', record, '--params', given)
+    assert_refused(close_loop(*run, '--out', tmp_path), str(given), 'would be overwritten')
+    assert given.read_text() == before
+    (tmp_path / 'out' / 'report.json').mkdir(parents=True)
+    assert_refused(close_loop(*run, '--out', tmp_path / 'out'), 'report.json', 'is a folder')
+    assert_refused(close_loop(*run, '--out', tmp_path / 'new', '--validation', record),
+                   str(record), 'is the record itself')
+    assert not (tmp_path / 'new').exists()
 
 
 @pytest.mark.parametrize('arguments', [

@@ -46,6 +46,11 @@ class UnknownTerm:
     knots: Array
     values: Array
 
+    @property
+    def seen(self) -> tuple[float, float]:
+        """The range of the variable in the record; the outermost knots lie beyond it, at zero."""
+        return float(self.knots[1]), float(self.knots[-2])
+
 
 @dataclass(frozen=True)
 class ChannelError:

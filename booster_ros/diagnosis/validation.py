@@ -42,7 +42,7 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
         return ()
     start = _start(experiment, diagnosis.after)
     seen = experiment.simulate(diagnosis.after, start)[unknown.variable]
-    share = float(np.mean((seen < unknown.knots[1]) | (seen > unknown.knots[-2])))
+    share = float(np.mean((seen < unknown.seen[0]) | (seen > unknown.seen[1])))
     if share < WORTH_SAYING:
         return ()
     return (f'{100.0 * share:.0f} % of the other record lies beyond the {unknown.variable} in '

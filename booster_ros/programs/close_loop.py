@@ -31,11 +31,15 @@ from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
 from .compiling import announce_compilation
 
+WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
+"""The files of a result."""
+
 
 def main(args: Sequence[str] | None = None) -> int:
     """Diagnose a record and write the report; return the exit status."""
     options = _parser().parse_args(args)
     try:
+        _check_inputs_stay(options)
         declared = from_values(read_parameter_file(options.params).physical)
         experiment, notes = _read(options, options.record, declared)
         validation = options.validation and _read(options, options.validation, declared)[0]
@@ -155,16 +159,34 @@ def _output_folder(out: Path) -> Iterator[Path]:
     """Yield a temporary folder whose files are moved to `out` when everything is written."""
     if out.exists() and not out.is_dir():
         raise RecordError(f'{out}: is not a folder')
-    nearest = next(folder for folder in (out, *out.absolute().parents) if folder.is_dir())
+    for name in WRITTEN:
+        if (out / name).is_dir():
+            raise RecordError(f'{out / name}: is a folder, a file is to be written there')
+    nearest = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+    if not nearest.is_dir():
+        raise RecordError(f'{nearest}: is not a folder')
     work = nearest / f'.close_loop.{os.getpid()}'
     try:  # from before it exists: an interruption may come the moment it does
-        work.mkdir(exist_ok=True)
+        shutil.rmtree(work, ignore_errors=True)  # of a process of the same number that was killed
+        work.mkdir()
         yield work
         out.mkdir(parents=True, exist_ok=True)
-        for file in work.iterdir():
-            os.replace(file, out / file.name)
+        for name in WRITTEN:
+            os.replace(work / name, out / name)
     finally:
         shutil.rmtree(work, ignore_errors=True)
+
+
+def _check_inputs_stay(options: argparse.Namespace) -> None:
+    """Raise RecordError where an input would be overwritten, or a record would judge itself."""
+    results = {(options.out / name).resolve() for name in WRITTEN}
+    for name in ('record', 'params', 'validation'):
+        given = getattr(options, name)
+        if given is not None and given.resolve() in results:
+            raise RecordError(f'{given}: would be overwritten by the result; choose another --out')
+    if options.validation and options.validation.resolve() == options.record.resolve():
+        raise RecordError(
+            f'{options.validation}: is the record itself; --validation takes another one')
 
 
 def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance) -> None:

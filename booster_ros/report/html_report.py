@@ -176,7 +176,7 @@ def _unknown(view: View) -> str:
     if term is None:
         return ''
     over, size = scale_of(term.variable_unit), scale_of(term.unit)
-    first, last = float(term.knots[0]), float(term.knots[-1])
+    first, last = term.seen
     seen, seen_si = (f'{words(first)} to {words(last)}' for words in (
         over.text, lambda value: si_text(value, term.variable_unit)))
     also = '' if seen == seen_si else f' ({seen_si})'
@@ -184,8 +184,9 @@ def _unknown(view: View) -> str:
         'The term without a name',
         paragraph(
             f'Added in {place_label(term.location)}, in {size.unit}, as a function of the '
-            f'{channel_label(term.variable)} from {seen}{also}; zero outside. Below it: how many '
-            'rows of the record were where. Where there are few, the table says little.'),
+            f'{channel_label(term.variable)} from {seen}{also}; it fades to zero outside. Below '
+            'it: how many rows of the record were where. Where there are few, the table says '
+            'little.'),
         figure(svg(figures.unknown_term(view, term), 'unknown'), 'The table of the unnamed term'))
 
 
@@ -238,8 +239,9 @@ def _suspects(diagnosis: Diagnosis) -> str:
     hidden = len(diagnosis.suspects) - MOST_SUSPECTS
     return section(
         'Suspects, best first',
-        paragraph('Misfit: mean squared error on data that were not fitted, in units of the '
-                  'noise: 1 is as good as can be. Bars are logarithmic.', 'hint'),
+        paragraph('Misfit: mean squared error, in units of the noise, on the parts held back for '
+                  'choosing; what came near the choice was fitted to them too in the end. 1 is '
+                  'as good as can be. Bars are logarithmic.', 'hint'),
         suspect_table(diagnosis),
         paragraph(f'{hidden} more are in report.json.', 'hint') if hidden > 0 else '')
 

@@ -125,8 +125,9 @@ def _sentence_on_unknown(unknown: UnknownTerm) -> str:
     largest = max((float(v) for v in unknown.values), key=abs)
     return (
         f'It depends on the {channel_label(unknown.variable)}, was seen from '
-        f'{variable.text(float(unknown.knots[0]))} to {variable.text(float(unknown.knots[-1]))} '
-        f'and reaches {size.text(largest)}. It is in the model as a table, zero outside that range.'
+        f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
+        f'and reaches {size.text(largest)}. It is in the model as a table that fades to zero '
+        'outside that range.'
     )
 
 
