@@ -19,7 +19,7 @@ from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import strong_frequencies, with_effect
 from booster_ros.diagnosis.search import Search
-from booster_ros.diagnosis.segments import split, split_sweep
+from booster_ros.diagnosis.segments import split
 from booster_ros.diagnosis.selection import compared, named
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
@@ -91,16 +91,17 @@ def test_play_of_the_position_reading_starts_where_it_was_left():
     assert high['valve_position'][0] == low['valve_position'][0]
 
 
-def test_every_part_of_a_sweep_is_fitted_selected_and_locked():
-    segments = split_sweep(43)
-    assert [(s.first, s.last) for s in segments][:2] == [(0, 2), (2, 4)]
-    assert segments[-1].last == 43
-    rows = {role: [s.first for s in segments if s.role == role]
-            for role in ('fit', 'select', 'test')}
-    for first in rows.values():
-        assert min(first) < 10
-        assert max(first) > 30
-    assert len(rows['fit']) > len(rows['select']) > len(rows['test'])
+def test_frequencies_are_sought_in_the_fitted_rows_alone():
+    problem = searching(seen(P), ()).problem()
+    time = problem.experiment.time
+    for rows, is_there in ((problem.rows, True), (~problem.rows, False)):
+        pressure = problem.experiment.measured['chamber_pressure'].copy()
+        pressure[rows] += 3e3 * np.sin(2.0 * np.pi * 1.37 * time[rows])
+        shaken = replace(problem, experiment=replace(
+            problem.experiment, measured={**problem.experiment.measured,
+                                          'chamber_pressure': pressure}))
+        found = strong_frequencies(shaken, problem.start())
+        assert bool(np.any(np.abs(found - 1.37) < 0.1)) == is_there
 
 
 def test_the_line_of_a_rippling_supply_stands_out_of_noise():

@@ -189,3 +189,67 @@ def test_noise_of_a_measured_drive_counts_as_noise_of_what_it_drives():
     experiment = prepare(record_of(**columns), DECLARED)
     spring = DECLARED.actuator.travel / 150e3  # m/Pa
     assert experiment.noise['valve_position'] > 0.8 * np.hypot(8e-6, 150.0 * spring)
+
+
+def misfits(columns):
+    """Return the mean square of what the true model misses, in squares of the noise found."""
+    experiment = prepare(record_of(**columns), DECLARED)
+    predicted = experiment.predict(DECLARED)
+    return {name: float(np.nanmean(((values - predicted[name]) / experiment.noise[name])**2))
+            for name, values in experiment.measured.items()}
+
+
+@pytest.mark.parametrize(('name', 'every'), [
+    ('chamber_pressure', 2), ('chamber_pressure', 5), ('valve_position', 3)])
+def test_a_channel_slower_than_the_others_is_as_noisy_as_it_is(name, every):
+    """Its rows are those of a bag, or of two tables that a user merged."""
+    columns = step_test()
+    columns[name][np.arange(ROWS) % every > 0] = np.nan
+    for misfit in misfits(columns).values():
+        assert 0.6 < misfit < 1.5
+
+
+def test_thinned_rows_hold_every_channel_wherever_its_samples_are():
+    columns = step_test()
+    columns['chamber_pressure'][1::2] = np.nan
+    columns['valve_position'][0::2] = np.nan
+    columns['chamber_pressure'][0] = 0.0
+    thin, kept = prepare(record_of(**columns), DECLARED).thinned(8)
+    assert kept[0] == 0
+    assert len(kept) < ROWS / 7
+    for values in thin.measured.values():
+        assert np.isfinite(values).sum() > 0.4 * len(kept)
+
+
+def test_what_the_solver_leaves_is_noise_in_a_record_without_noise():
+    time = 0.02 * np.arange(1500)
+    current = np.where(time % 8.0 < 4.0, 0.43e-3, 0.45e-3)
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 215e3})
+    experiment = prepare(record_of(
+        time=time, control_current=current, chamber_pressure=run['chamber_pressure'].round(3),
+        valve_position=run['valve_position'].round(9)), DECLARED)
+    thin, _ = experiment.thinned(8)
+    predicted = thin.predict(DECLARED)
+    for name, values in thin.measured.items():
+        assert np.mean(((values - predicted[name]) / thin.noise[name])**2) < 0.5
+    assert experiment.notes == ()
+
+
+@pytest.mark.parametrize('value', [0.0, 0.004])
+def test_a_stem_that_never_moves_is_compared_closely_and_that_is_said(value):
+    columns = step_test() | {'valve_position': np.full(ROWS, value)}
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert experiment.noise['valve_position'] == 1e-7
+    assert any('valve_position stands still' in note for note in experiment.notes)
+
+
+def test_a_drive_slower_than_the_rows_is_no_gap_but_in_its_own_gaps():
+    supply = np.full(ROWS, np.nan)
+    supply[::4] = 400e3 + 1e3 * TIME['time'][::4]
+    supply[100:140] = np.nan
+    experiment = prepare(record_of(**TIME, **BACK, **CHAMBER, supply_pressure=supply), DECLARED)
+    known = np.isfinite(experiment.measured['chamber_pressure'])
+    assert known[:97].all()
+    assert not known[98:139].any()
+    np.testing.assert_allclose(
+        experiment.pinned['supply_pressure'][:97], 400e3 + 1e3 * TIME['time'][:97])

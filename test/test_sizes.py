@@ -54,6 +54,12 @@ def test_a_leak_that_is_there_stands():
     assert undetermined(problem, draws, fit, 'chamber_leak') == ''
 
 
+def test_a_single_segment_gives_an_interval_as_wide_as_many():
+    problem, draws, fit = fitted(3e-8, 'chamber_leak')
+    alone = block_bootstrap(problem, fit, np.zeros(len(TIME), dtype=int))
+    assert np.std(alone[:, 0]) > 0.3 * np.std(draws[:, 0])
+
+
 def test_a_leak_that_is_not_there_does_not():
     problem, draws, fit = fitted(0.0, 'chamber_leak')
     assert undetermined(problem, draws, fit, 'chamber_leak') == 'its size is not told from none'

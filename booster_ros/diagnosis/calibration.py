@@ -69,9 +69,13 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
             # what was read drives the model; what drove the valve is that less its noise
             moved = experiment.shaken(of_drives, rng).predict(model)
             truth = {name: values + moved[name] - still[name] for name, values in truth.items()}
-        yield _with_measured(experiment, {
+        made = _with_measured(experiment, {
             name: np.where(np.isfinite(measured), noise[name].added_to(truth[name], rng), np.nan)
             for name, measured in experiment.measured.items()})
+        # the level is taken from each record anew, as it was from this one
+        yield replace(made, noise={
+            name: level * noise_of(made.measured[name], rests).level / noise[name].level
+            if noise[name].level > 0.0 else level for name, level in experiment.noise.items()})
 
 
 def _with_measured(experiment: Experiment, measured: dict[str, Array]) -> Experiment:

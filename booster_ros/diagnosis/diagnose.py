@@ -21,7 +21,7 @@ from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, pr
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, polished
-from booster_ros.diagnosis.segments import rows_of, segment_of_row, split, split_sweep
+from booster_ros.diagnosis.segments import Segment, rows_of, segment_of_row, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, UNNAMED
 from booster_ros.model import discrepancy as term
@@ -29,6 +29,7 @@ from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
+from booster_ros.records import RecordError
 
 Array = np.ndarray
 
@@ -48,14 +49,15 @@ def diagnose(
     """
     Return what the model lacks, judged by this experiment.
 
-    `progress` is called with a phrase and the share done. ValueError where there is too little
-    data to fit.
+    `progress` is called with a phrase and the share done. RecordError where the record is too
+    short, or holds too little to compare, for parts to fit, to select and to judge by.
     """
     tell = progress or (lambda phrase, share: None)
     drive = next(iter(experiment.pinned.values()), experiment.current) if np.ptp(
         experiment.current) == 0.0 else experiment.current
     segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
         experiment.time, drive)
+    _check_parts(experiment, segments)
     search = Search(experiment, segments, declared, free_to_refit(declared, experiment),
                     applicable(experiment, declared))
     tell('refitting the declared parameters', 0.02)
@@ -64,6 +66,15 @@ def diagnose(
     result = _conclude(search, tried, unnamed, notes)
     tell('done', 1.0)
     return result
+
+
+def _check_parts(experiment: Experiment, segments: list[Segment]) -> None:
+    for role, purpose in (('fit', 'fit'), ('select', 'select between models'), ('test', 'judge')):
+        rows = rows_of(segments, (role,), len(experiment.time))
+        if not any(np.isfinite(values[rows]).any() for values in experiment.measured.values()):
+            raise RecordError(
+                f'the record has no row to {purpose} by: those meant for it, '
+                f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
 
 
 def _sought(search: Search, tell: Progress) -> tuple[Tried, list[Candidate]]:

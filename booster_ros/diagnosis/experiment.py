@@ -121,15 +121,15 @@ class Experiment:
         """
         Return this experiment with fewer rows, and which rows those are.
 
-        Rows at which the drive jumps are kept, between them every `factor`-th row stays; the
+        Rows at which the drive jumps are kept, between them one of every `factor` stays; the
         current that stands between two of them is the mean of what it was.
         """
         size = len(self.time)
         step = np.abs(np.diff(self.current))
         jump = step > max(20.0 * float(np.median(step)), 1e-3 * float(np.ptp(self.current)))
         keep = np.zeros(size, dtype=bool)
-        keep[::factor] = True
-        keep[-1] = True
+        keep[self._one_of_every(factor)] = True
+        keep[[0, -1]] = True
         rows = np.flatnonzero(jump) + 1
         for offset in (0, 1, 2):
             keep[np.minimum(rows + offset, size - 1)] = True
@@ -140,6 +140,20 @@ class Experiment:
             pinned={name: values[kept] for name, values in self.pinned.items()},
             tolerance=THINNED_TOLERANCE)
         return thin, kept
+
+    def _one_of_every(self, factor: int) -> Array:
+        """Return a row of every `factor`: where channels have no value, one that has most."""
+        regular = np.arange(0, len(self.time), factor)
+        known = np.isfinite(list(self.measured.values()))
+        if known.all():
+            return regular
+        rows = []
+        waiting = np.ones(len(known))  # a channel left out in one place counts more in the next
+        for first in regular:
+            row = first + int(np.argmax(waiting @ known[:, first:first + factor]))
+            waiting = np.where(known[:, row], 1.0, waiting + 1.0)
+            rows.append(row)
+        return np.array(rows)
 
     def _mean_current(self, kept: Array) -> Array:
         """Return the mean of the standing current from each kept row to the next."""

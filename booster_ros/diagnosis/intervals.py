@@ -14,6 +14,9 @@ DRAWS = 400
 SAME_TRACE = 0.01
 """Share of the square of a size's trace up to which shapes that leave no more do the same."""
 
+FEWEST_BLOCKS = 8
+"""Segments are cut into equal parts where there are fewer: of two there are three draws in all."""
+
 WIDEST = 30.0
 """Standard deviation of what a size may be before anything is seen, in typical sizes."""
 
@@ -35,6 +38,9 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
     """
     residual = problem.residuals(fit.z)
     jacobian = fit.jacobian
+    segments = len(np.unique(of_row[problem.rows]))
+    if segments < FEWEST_BLOCKS:
+        of_row = _cut(of_row, -(-FEWEST_BLOCKS // segments))
     label = np.concatenate([
         of_row[problem.rows & np.isfinite(measured)]
         for measured in problem.experiment.measured.values()])
@@ -65,6 +71,15 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
             draws[d, rest] = fit.z[rest] - np.linalg.solve(
                 hessian[np.ix_(rest, rest)], gradient[rest])
     return draws
+
+
+def _cut(of_row: Array, parts: int) -> Array:
+    """Return the segment of each row with every segment cut into equal parts."""
+    finer = np.empty(len(of_row), dtype=int)
+    for segment in np.unique(of_row):
+        rows = np.flatnonzero(of_row == segment)
+        finer[rows] = segment * parts + np.arange(len(rows)) * parts // len(rows)
+    return finer
 
 
 def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[float, float, float]:

@@ -13,7 +13,7 @@ from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
-from booster_ros.records.time_axis import gap_rows
+from booster_ros.records.time_axis import GAP_PERIODS, gap_rows
 
 Array = np.ndarray
 
@@ -27,6 +27,13 @@ to follow; where the current drives, the chamber has to fill."""
 
 FEWEST_ROWS = 12
 """Rows that must be comparable at the least."""
+
+LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
+               'valve_position': 1e-7, 'mass_flow': 1e-9}
+"""
+Noise of a channel in its unit, at the least: what the solver leaves on thinned rows, 2 Pa and
+0.03 um, must not count as something that the model lacks. Sensors resolve far less.
+"""
 
 
 def prepare(
@@ -42,6 +49,8 @@ def prepare(
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
     time = columns.get('time')
+    if time is not None:
+        columns |= {name: _between_samples(time, columns[name]) for name in role.pinned}
     quasi_static = time is None
     if time is None:
         time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
@@ -58,7 +67,8 @@ def prepare(
         pinned={name: _bridged(time, columns[name]) for name in role.pinned},
         initial=start_state(columns, declared, noise),
         quasi_static=quasi_static,
-        notes=(*role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static)),
+        notes=(*role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
+               *_still_notes(compared)),
     )
     if quasi_static or not role.pinned:
         return experiment
@@ -131,13 +141,28 @@ def _noise(
     """Return the noise level of every channel: coloured noise is more than its differences show."""
     drives = [current, *(_bridged(time, columns[name]) for name in role.pinned)]
     rests = [] if quasi_static else rests_of(time, drives)
-    return {name: noise_of(values, rests).level for name, values in columns.items()
-            if name != 'time'}
+    return {name: least_noise(name, noise_of(values, rests).level)
+            for name, values in columns.items() if name != 'time'}
+
+
+def least_noise(name: str, level: float) -> float:
+    """Return the noise level of a channel, at least what a fit can take for noise."""
+    return max(level, LEAST_NOISE.get(name, 0.0))
 
 
 def _bridged(time: Array, values: Array) -> Array:
     known = np.isfinite(values)
     return np.interp(time, time[known], values[known])
+
+
+def _between_samples(time: Array, values: Array) -> Array:
+    """Return a drive that was sampled more slowly than the rows, filled but for its own gaps."""
+    known = time[np.isfinite(values)]
+    if len(known) < 3:
+        return values
+    after = np.searchsorted(known, time).clip(1, len(known) - 1)
+    near = known[after] - known[after - 1] <= GAP_PERIODS * np.median(np.diff(known))
+    return np.where(near | np.isfinite(values), _bridged(time, values), np.nan)
 
 
 def _check_enough(compared: Mapping[str, Array], source: str) -> None:
@@ -160,6 +185,12 @@ def _row_notes(
             f'{int((~usable).sum())} rows in, and up to {SETTLING:g} s after, gaps of '
             f'{" or ".join(role.drives)} are not compared')
     return tuple(notes)
+
+
+def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
+    known = {name: values[np.isfinite(values)] for name, values in compared.items()}
+    return tuple(f'{name} stands still: every row has the same value'
+                 for name, values in known.items() if len(values) and np.ptp(values) == 0.0)
 
 
 def _with_noise_of_drives(

@@ -132,13 +132,14 @@ ABOVE_NOISE = 15.0
 
 
 def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
-    """Return the strongest frequencies, Hz, in the residual of the first channel."""
+    """Return the strongest frequencies, Hz, in the fitted residual of the first channel."""
     predicted = problem.predict(z)
     time = problem.experiment.time
     if predicted is None or len(time) < 32:
         return np.array([0.5])
     name = problem.experiment.channels[0]
-    residual = np.nan_to_num(problem.experiment.measured[name] - predicted[name])
+    residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
+    residual = np.nan_to_num(residual)
     frequency, power = periodogram(
         residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear')
     # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate

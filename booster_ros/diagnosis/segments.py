@@ -2,10 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whole experiment segments, and which of them fit, select and test."""
 
+from collections import Counter
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+
+from booster_ros.records import RecordError
+from booster_ros.records.time_axis import gap_rows
 
 Array = np.ndarray
 
@@ -15,6 +19,10 @@ SHORTEST = 3.0
 LONGEST = 8.0
 """A segment without a change of the drive is cut after this time, s."""
 
+FEWEST = {'fit': 2, 'select': 2, 'test': 1}
+FINEST = 32
+"""Segments of each role that a record must have. A short one is cut into pieces shorter than these
+two times, by this factor at the most."""
 
 SWEEP_ROWS = 2
 SWEEP_ROLES = ('fit', 'select', 'fit', 'test', 'fit', 'select', 'fit')
@@ -34,7 +42,8 @@ def drive_changes(time: Array, drive: Array) -> Array:
     """Return the rows at which the drive steps or a ramp begins or ends."""
     if len(time) < 3:
         return np.array([], dtype=int)
-    slope = np.diff(drive) / np.diff(time)
+    steps = np.diff(time)
+    slope = np.diff(drive) / np.where(steps > 0.0, steps, np.median(steps))
     change = np.abs(np.diff(slope))
     spread = np.ptp(drive) / max(time[-1] - time[0], 1e-9)
     return np.flatnonzero(change > 0.2 * spread + 1e-30) + 1
@@ -42,28 +51,55 @@ def drive_changes(time: Array, drive: Array) -> Array:
 
 def split(time: Array, drive: Array, locked: float = 0.2) -> list[Segment]:
     """
-    Cut a record at changes of its drive and give each segment a role.
+    Cut a record at changes of its drive, and at gaps, and give each segment a role.
 
     The last `locked` share of the record is the test part, opened once. Of the rest every third
-    segment selects between models, the others fit them.
+    segment selects between models, the others fit them. RecordError where the record is too short
+    for that.
     """
+    clock = _clock_without_gaps(time)
+    changes = np.union1d(drive_changes(clock, drive), np.flatnonzero(np.diff(clock) == 0.0) + 1)
+    division = 1
+    while division <= FINEST:
+        segments = _cut(clock, changes, SHORTEST / division, LONGEST / division, locked)
+        count = Counter(segment.role for segment in segments)
+        if all(count[role] >= fewest for role, fewest in FEWEST.items()):
+            return segments
+        division *= 2
+    raise RecordError(
+        f'the record is too short, {len(time)} rows over {clock[-1] - clock[0]:.3g} s: it cannot '
+        'be cut into parts to fit, to select and to judge by')
+
+
+def _clock_without_gaps(time: Array) -> Array:
+    """Return the time with nothing passing in gaps longer than a segment may be short."""
+    after = gap_rows(time)
+    after = after[time[after] - time[after - 1] > SHORTEST]
+    if not len(after):
+        return time
+    steps = np.diff(time)
+    steps[after - 1] = 0.0
+    return np.concatenate((time[:1], time[0] + np.cumsum(steps)))
+
+
+def _cut(clock: Array, changes: Array, shortest: float, longest: float, locked: float
+         ) -> list[Segment]:
     edges = [0]
-    changes = drive_changes(time, drive)
     for row in changes:
-        if time[row] - time[edges[-1]] >= SHORTEST and time[-1] - time[row] >= SHORTEST:
+        if clock[row] - clock[edges[-1]] >= shortest and clock[-1] - clock[row] >= shortest:
             edges.append(int(row))
     fine = []
-    for first, last in zip(edges, [*edges[1:], len(time)]):
-        length = time[min(last, len(time) - 1)] - time[first]
-        parts = max(1, int(np.ceil(length / LONGEST)))
+    for first, last in zip(edges, [*edges[1:], len(clock)]):
+        length = clock[min(last, len(clock) - 1)] - clock[first]
+        parts = max(1, int(np.ceil(length / longest)))
         fine.extend(np.linspace(first, last, parts + 1).astype(int)[:-1].tolist())
-    fine.append(len(time))
-    begin_test = time[0] + (1.0 - locked) * (time[-1] - time[0])
+    fine.append(len(clock))
+    begin_test = clock[0] + (1.0 - locked) * (clock[-1] - clock[0])
     segments: list[Segment] = []
     for k, (first, last) in enumerate(pairwise(fine)):
         if last <= first:
             continue
-        middle = 0.5 * (time[first] + time[last - 1])
+        middle = 0.5 * (clock[first] + clock[last - 1])
         role = 'test' if middle > begin_test else ('select' if k % 3 == 1 else 'fit')
         segments.append(Segment(first, last, role))
     return segments

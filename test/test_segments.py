@@ -1,0 +1,47 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Records are cut into parts to fit, to select and to judge by, whatever their length and gaps."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.segments import split, split_sweep
+from booster_ros.records import RecordError
+
+
+def test_every_part_of_a_sweep_is_fitted_selected_and_locked():
+    segments = split_sweep(43)
+    assert [(s.first, s.last) for s in segments][:2] == [(0, 2), (2, 4)]
+    assert segments[-1].last == 43
+    rows = {role: [s.first for s in segments if s.role == role]
+            for role in ('fit', 'select', 'test')}
+    for first in rows.values():
+        assert min(first) < 10
+        assert max(first) > 30
+    assert len(rows['fit']) > len(rows['select']) > len(rows['test'])
+
+
+@pytest.mark.parametrize('seconds', [3.0, 7.0, 24.0, 150.0])
+def test_a_short_record_is_cut_finer_so_that_each_part_is_there(seconds):
+    time = np.arange(0.0, seconds, 0.01)
+    roles = Counter(segment.role for segment in split(time, np.where(time % 6.0 < 3.0, 0.0, 1.0)))
+    assert roles['fit'] >= 2
+    assert roles['select'] >= 2
+    assert roles['test'] >= 1
+
+
+def test_a_record_too_short_to_hold_anything_back_is_refused():
+    time = np.arange(0.0, 0.5, 0.01)
+    with pytest.raises(RecordError, match=r'too short, 50 rows over 0\.49 s'):
+        split(time, np.zeros(50))
+
+
+def test_a_pause_in_a_record_is_an_edge_and_takes_no_time():
+    time = np.concatenate([np.arange(0.0, 20.0, 0.02), 320.0 + np.arange(0.0, 100.0, 0.02)])
+    segments = split(time, np.where(time % 8.0 < 4.0, 0.0, 1.0))
+    assert any(segment.first == 1000 for segment in segments)
+    locked = sum(segment.last - segment.first for segment in segments if segment.role == 'test')
+    assert 0.15 < locked / len(time) < 0.25
+    assert min(time[s.last - 1] - time[s.first] for s in segments) > 2.5
