@@ -3,7 +3,7 @@
 """
 Effects that the catalogue does not have, and two at once, hidden in a plant of other equations.
 
-They run with BOOSTER_ROS_ALL_SAMPLES in the environment.
+One of either kind always runs; with BOOSTER_ROS_ALL_SAMPLES in the environment, all do.
 """
 
 import json
@@ -16,7 +16,7 @@ import pytest
 
 from booster_ros.programs.close_loop import main
 
-pytestmark = pytest.mark.skipif(
+minutes = pytest.mark.skipif(
     'BOOSTER_ROS_ALL_SAMPLES' not in os.environ, reason='minutes: BOOSTER_ROS_ALL_SAMPLES=1')
 
 
@@ -42,7 +42,7 @@ def errors_fall_to_the_noise(report, much=1.3):
 
 @pytest.mark.parametrize(('effect', 'seconds', 'variable'), [
     ('leak_opens_with_travel', 60.0, 'valve_position or chamber_pressure'),
-    ('spool_holes', 150.0, 'booster_force'),
+    pytest.param('spool_holes', 150.0, 'booster_force', marks=minutes),
 ])
 def test_what_has_no_name_is_unknown_in_its_place(
         effect, seconds, variable, tmp_path, monkeypatch):
@@ -54,6 +54,7 @@ def test_what_has_no_name_is_unknown_in_its_place(
     errors_fall_to_the_noise(report)
 
 
+@minutes
 @pytest.mark.parametrize('effect', ['converter_creep', 'ambient_gain_swing'])
 def test_what_follows_time_alone_is_unknown_and_its_place_is_among_those_said(
         effect, tmp_path, monkeypatch):
@@ -70,9 +71,9 @@ def test_what_follows_time_alone_is_unknown_and_its_place_is_among_those_said(
 
 @pytest.mark.parametrize(('pair', 'seconds'), [
     (('booster_dead_band', 'position_backlash'), 60.0),
-    (('tubing_restriction', 'ep_hysteresis'), 150.0),
-    (('supply_ripple', 'chamber_leak'), 150.0),
-    (('ep_hysteresis', 'spring_nonlinearity'), 150.0),
+    pytest.param(('tubing_restriction', 'ep_hysteresis'), 150.0, marks=minutes),
+    pytest.param(('supply_ripple', 'chamber_leak'), 150.0, marks=minutes),
+    pytest.param(('ep_hysteresis', 'spring_nonlinearity'), 150.0, marks=minutes),
 ])
 def test_two_effects_are_both_named(pair, seconds, tmp_path, monkeypatch):
     report = diagnosis_of(pair, seconds, tmp_path, monkeypatch)

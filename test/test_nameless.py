@@ -8,10 +8,10 @@ from made_diagnosis import DECLARED, record_of, timed_columns, unknown_found
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.candidate import Candidate, clearly_better
 from booster_ros.diagnosis.fit import Problem, declared_freedom
 from booster_ros.diagnosis.nameless import as_good, beyond_names, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.candidate import Candidate, clearly_better
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.model import discrepancy as term
@@ -54,6 +54,13 @@ def test_the_commoner_kind_leads_only_where_scores_are_nearly_the_same():
     worse = scored((UNNAMED + 'booster over booster_force',), 6.0, 6.0, 6.0, 6.0)
     assert as_good([near, unsteady, worse, best], best) == [near, best, unsteady]
     assert as_good([unsteady, best], best) == [best, unsteady]
+
+
+def test_one_over_time_stands_behind_one_over_a_state_that_does_as_well():
+    best = scored((UNNAMED + 'chamber over valve_position',), 2.0, 2.0, 2.0, 2.0)
+    near = scored((DRIFTING,), 2.05, 2.05, 2.05, 2.05)
+    assert as_good([near, best], best) == [best, near]
+    assert as_good([near, best], near) == [best, near]
 
 
 def test_several_effects_that_leave_little_do_not_give_way():

@@ -253,3 +253,34 @@ def test_a_drive_slower_than_the_rows_is_no_gap_but_in_its_own_gaps():
     assert not known[98:139].any()
     np.testing.assert_allclose(
         experiment.pinned['supply_pressure'][:97], 400e3 + 1e3 * TIME['time'][:97])
+
+
+def test_commands_between_the_stamps_of_another_clock_are_no_effect():
+    """A record without noise; each command is taken up to half a row before or after its row."""
+    rng = np.random.default_rng(3)
+    fine = 0.001 * np.arange(40_000)
+    wanted = np.where(fine % 4.0 < 2.0, 0.43e-3, 0.45e-3)
+    taken = wanted.copy()
+    for change in np.flatnonzero(np.diff(wanted)) + 1:
+        by = int(rng.integers(-5, 6))
+        taken[min(change, change + by):max(change, change + by)] = wanted[change - (by > 0)]
+    run = simulate(DECLARED, fine, taken, {'chamber_pressure': 170e3})
+    rows = np.arange(0, 40_000, 10) + rng.integers(0, 3, 4000)
+    columns = {'time': fine, 'control_current': wanted,
+               'chamber_pressure': run['chamber_pressure'], 'valve_position': run['valve_position']}
+    for misfit in misfits({name: values[rows] for name, values in columns.items()}).values():
+        assert 0.1 < misfit < 2.0
+
+
+def test_a_record_that_begins_with_its_first_command_starts_with_the_converter_where_it_was():
+    time = 0.01 * np.arange(2000)
+    current = np.where(time < 10.0, 0.43e-3, 0.45e-3)
+    before = np.concatenate(([0.35e-3], current[:-1]))
+    run = simulate(DECLARED, time, before, {'chamber_pressure': 50e3})
+    experiment = prepare(record_of(
+        time=time[1:], control_current=current[1:], chamber_pressure=run['chamber_pressure'][1:],
+        valve_position=run['valve_position'][1:]), DECLARED)
+    at_first = run['back_pressure'][1] - run['back_pressure'][900]
+    assert experiment.initial.departure.back_pressure == pytest.approx(at_first, abs=2e3)
+    assert any('had not settled at the first command' in note for note in experiment.notes)
+    assert prepare(record_of(**step_test()), DECLARED).initial.departure.back_pressure == 0.0

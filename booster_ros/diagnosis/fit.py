@@ -40,8 +40,8 @@ SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
 _SHIFT = 5.0
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0])
-"""Spread of the start: pressure in 100 Pa, back pressure in 500 Pa, places in the two plays,
-warmth of the chamber's air in 10 K."""
+"""Spread of the start around the experiment's: pressure in 100 Pa, back pressure in 500 Pa, places
+in the two plays, warmth of the chamber's air in 10 K."""
 
 START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0)
 
@@ -221,8 +221,9 @@ class Problem:
             start = replace(start, valve_position=seen / (1.0 + p.sensors.position_span_error))
         if self.nuisances:
             pressure, back, ep_play, position_play, warmth = z[len(self.freedoms):]
+            back = start.departure.back_pressure + 500.0 * back
             start = replace(
-                start, departure=Departure(500.0 * back, ep_play, position_play, 10.0 * warmth),
+                start, departure=Departure(back, ep_play, position_play, 10.0 * warmth),
                 chamber_pressure=start.chamber_pressure + 100.0 * pressure
                 - p.sensors.pressure_bias)
         return start

@@ -55,14 +55,14 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
         candidates.append(search.rate((UNNAMED + label,), joint, fit))
     if foreseen:
         candidates = [one for one in candidates
-                      if not _over_time(one.problem) or one.misfit < FAITHFUL]
+                      if not _over_time(one) or one.misfit < FAITHFUL]
     if not candidates:
         return []
     best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
         return as_good(candidates, best)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
-    together = [one for one in together if not _over_time(one.problem)
+    together = [one for one in together if not _over_time(one)
                 or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
     least = min((one.fit.cost for one in together), default=0.0)
     return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
@@ -80,8 +80,14 @@ def _leave_less(tried: Tried, share: float) -> bool:
 
 
 def as_good(candidates: list[Candidate], best: Candidate) -> list[Candidate]:
-    """Return those that score nearly as the best, in their order, then those not told from it."""
+    """
+    Return those that score nearly as the best, in their order, then those not told from it.
+
+    One over time follows whatever happens, and says nothing of what comes: it stands behind one
+    over a state that does as well.
+    """
     equal = [one for one in candidates if one.score < (1.0 + TOO_SIMILAR) * best.score]
+    equal.sort(key=_over_time)
     others = [one for one in candidates if one not in equal and not told_apart(one, best)]
     return equal + sorted(others, key=lambda c: c.score)
 
@@ -106,8 +112,8 @@ def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
         unnamed[0].misfit < BEYOND * tried.held_out.misfit)
 
 
-def _over_time(problem: Problem) -> bool:
-    return problem.base.discrepancy.variable == term.TIME
+def _over_time(unnamed: Candidate) -> bool:
+    return unnamed.effects[0].endswith(f' over {term.VARIABLES[term.TIME]}')
 
 
 def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:

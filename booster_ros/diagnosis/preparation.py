@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
-from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state
-from booster_ros.model.system import PositionerParameters
+from booster_ros.model.ep_converter import settled_back_pressure
+from booster_ros.model.system import Departure, PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.time_axis import GAP_PERIODS, gap_rows
 
@@ -27,6 +29,17 @@ to follow; where the current drives, the chamber has to fill."""
 
 FEWEST_ROWS = 12
 """Rows that must be comparable at the least."""
+
+FIRST_SECONDS = 3.0
+EVIDENT = 0.1
+NEARLY_SETTLED = 10e3
+"""Share of the squared error of the first seconds that another start of the converter may leave,
+and how far from settled it must be, Pa, to be taken for one; up to there a fit finds it."""
+
+EVEN = 1e-3
+"""Rows this evenly spaced, relative to their distance, are those of one clock with the drive."""
+
+TIMING_DRAWS = 4
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9}
@@ -70,9 +83,15 @@ def prepare(
         notes=(*role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
                *_still_notes(compared)),
     )
-    if quasi_static or not role.pinned:
+    if quasi_static:
         return experiment
-    return _with_noise_of_drives(experiment, declared, noise)
+    if role.commanded and not _evenly_sampled(time):
+        experiment = _with_noise_of_timing(experiment, declared)
+    if role.commanded and 'back_pressure' not in columns:
+        experiment = _with_start_of_converter(experiment, declared)
+    if role.pinned:
+        experiment = _with_noise_of_drives(experiment, declared, noise)
+    return experiment
 
 
 def _from_known_start(
@@ -191,6 +210,67 @@ def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
     known = {name: values[np.isfinite(values)] for name, values in compared.items()}
     return tuple(f'{name} stands still: every row has the same value'
                  for name, values in known.items() if len(values) and np.ptp(values) == 0.0)
+
+
+def _with_start_of_converter(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """
+    Return the experiment with the E/P converter away from settled where it evidently starts there.
+
+    A record may begin with its first command, the converter still at an earlier one. Then the first
+    seconds call for another back pressure by far.
+    """
+    rows = experiment.time <= experiment.time[0] + FIRST_SECONDS
+    first = replace(
+        experiment, time=experiment.time[rows], current=experiment.current[rows],
+        measured={name: values[rows] for name, values in experiment.measured.items()},
+        pinned={name: values[rows] for name, values in experiment.pinned.items()})
+    if len(first.time) < FEWEST_ROWS:
+        return experiment
+
+    def start(departure: float) -> Initial:
+        return replace(experiment.initial, departure=Departure(float(departure)))
+
+    def missed(departure: float) -> float:
+        predicted = first.predict(declared, start(departure))
+        return float(sum(np.nansum(((values - predicted[name]) / first.noise[name])**2)
+                         for name, values in first.measured.items()))
+
+    supply = declared.supply.pressure
+    settled = settled_back_pressure(declared.ep_converter, first.current[0], supply, 0.0, 0.0)
+    found = minimize_scalar(missed, bounds=(-settled, supply - settled), method='bounded')
+    if found.fun > EVIDENT * missed(0.0) or abs(found.x) < NEARLY_SETTLED:
+        return experiment
+    note = (f'the E/P converter had not settled at the first command: it is taken to start at '
+            f'{settled + found.x:.0f} Pa')
+    return replace(experiment, initial=start(found.x), notes=(*experiment.notes, note))
+
+
+def _evenly_sampled(time: Array) -> bool:
+    steps = np.diff(time)
+    usual = np.median(steps)
+    return float(np.quantile(np.abs(steps - usual), 0.9)) < EVEN * usual
+
+
+def _with_noise_of_timing(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """
+    Return the experiment with the noise of each channel at least what late commands leave.
+
+    A clock that stamps rows as they arrive does not know when in between the valve took a command:
+    each one anywhere in a row, with a standard deviation of its length over sqrt(12). Drawn is a
+    whole row late or none, whose standard deviation is sqrt(3) times that.
+    """
+    rng = np.random.default_rng(1)
+    taken = experiment.predict(declared)
+    before = np.append(experiment.current[:1], experiment.current[:-1])
+    squares: dict[str, list[float]] = {name: [] for name in experiment.noise}
+    for _ in range(TIMING_DRAWS):
+        late = np.where(rng.random(len(before)) < 0.5, before, experiment.current)
+        moved = replace(experiment, current=late).predict(declared)
+        for name, values in squares.items():
+            values.append(float(np.mean((moved[name] - taken[name])**2)))
+    return replace(experiment, noise={
+        name: max(level, float(np.sqrt(np.mean(squares[name]) / 3.0)))
+        for name, level in experiment.noise.items()})
 
 
 def _with_noise_of_drives(
