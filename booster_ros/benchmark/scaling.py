@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 import os
+import statistics
 import time
 
 import numpy as np
@@ -17,6 +18,8 @@ from . import cases, long_records
 from .cases import Case
 
 ROUNDS = 5
+ENSEMBLE_ROUNDS = 15
+FRICTION_ROUNDS = 15
 
 # each line adds to the ones before it
 EFFECTS: tuple[tuple[str, dict[str, object]], ...] = (
@@ -62,31 +65,46 @@ def effects() -> str:
 
 def ensembles() -> str:
     """Return a table of the throughput of ensembles over threads."""
-    case = cases.paper_test()
-    length = case.time[-1] - case.time[0]
-
-    def alone() -> object:
-        return simulate(case.parameters, case.time, case.control_current)
-
-    single, single_cpu = best_time(alone, time.perf_counter), best_time(alone)
     lines = ['| sets | threads | simulated s per s | per thread | CPU per set |',
              '|---|---|---|---|---|']
     cores = os.cpu_count() or 1
+    length = cases.paper_test().time[-1]
     for sets, threads in dict.fromkeys(((32, 1), (32, cores), (256, cores))):
-        members = [
-            from_values({'actuator.effective_area': 0.0796 * (1.0 + 1e-4 * k)})
-            for k in range(sets)]
-
-        def run(members: list = members, threads: int = threads) -> object:
-            return simulate_ensemble(
-                members, case.time, case.control_current, threads=threads)
-
-        wall, cpu = best_time(run, time.perf_counter), best_time(run)
-        lines.append(
-            f'| {sets} | {threads} | {sets * length / wall:.0f} | '
-            f'{100 * sets * single / wall / threads:.0f} % | '
-            f'{100 * cpu / sets / single_cpu:.0f} % |')
+        rounds = [_ensemble_and_alone(sets, threads) for _ in range(ENSEMBLE_ROUNDS)]
+        wall, share, cpu = (statistics.median(column) for column in zip(*rounds, strict=True))
+        lines.append(f'| {sets} | {threads} | {sets * length / wall:.0f} | '
+                     f'{100 * share / threads:.0f} % | {100 * cpu:.0f} % |')
     return '\n'.join(lines)
+
+
+def _ensemble_and_alone(sets: int, threads: int) -> tuple[float, float, float]:
+    """
+    Return wall time (s) of an ensemble, and its throughput and CPU time beside single runs.
+
+    The single runs are as many, one after the other, half of them before and half after it: what
+    else the machine does disturbs both alike.
+    """
+    case = cases.paper_test()
+    members = [from_values({'actuator.effective_area': 0.0796 * (1.0 + 1e-4 * k)})
+               for k in range(sets)]
+
+    def alone() -> None:
+        for member in members[::2]:
+            simulate(member, case.time, case.control_current)
+
+    def clocks() -> tuple[float, float]:
+        return time.perf_counter(), time.process_time()
+
+    begin = clocks()
+    alone()
+    before = clocks()
+    simulate_ensemble(members, case.time, case.control_current, threads=threads)
+    after = clocks()
+    alone()
+    end = clocks()
+    wall, cpu = (after[k] - before[k] for k in (0, 1))
+    wall_alone, cpu_alone = (end[k] - begin[k] - (after[k] - before[k]) for k in (0, 1))
+    return wall, wall_alone / wall, cpu / cpu_alone
 
 
 FRICTION: tuple[tuple[str, dict[str, object]], ...] = (
@@ -110,41 +128,48 @@ def slips(case: Case) -> int:
 
 
 def friction() -> str:
-    """Return a table of what dry friction costs on the same input."""
+    """Return a table of what dry friction costs on the same input, medians of interleaved runs."""
     lines = ['| run | dry friction | starts from rest | × real time | time, relative to none |',
              '|---|---|---|---|---|']
     for case in (cases.paper_test(), cases.moving_command(), cases.stick_slip()):
-        speeds = []
-        for name, values in FRICTION:
-            one = case._replace(parameters=from_values(values))
-            speeds.append(case_speed(one))
-            lines.append(f'| {case.name} | {name} | {slips(one)} | {speeds[-1]:.0f} | '
-                         f'{speeds[0] / speeds[-1]:.2f} |')
+        runs = [case._replace(parameters=from_values(values)) for _, values in FRICTION]
+        rounds = [[_cpu_time(one) for one in runs] for _ in range(FRICTION_ROUNDS)]
+        for k, (name, _) in enumerate(FRICTION):
+            needed = statistics.median(times[k] for times in rounds)
+            ratio = statistics.median(times[k] / times[0] for times in rounds)
+            lines.append(f'| {case.name} | {name} | {slips(runs[k])} | '
+                         f'{case.time[-1] / needed:.0f} | {ratio:.2f} |')
     return '\n'.join(lines)
+
+
+def _cpu_time(case: Case) -> float:
+    begin = time.process_time()
+    simulate(case.parameters, case.time, case.control_current, case.initial)
+    return time.process_time() - begin
 
 
 def document() -> str:
     """Return the sections on scaling."""
     return f"""## Effects
 
-Here and in the next two sections a time is the best of {ROUNDS} runs, so speeds are higher than the
-medians above.
+Each time is the best of {ROUNDS} runs, so speeds are higher than the medians elsewhere.
 
 {effects()}
 
 ## Dry friction
 
-The same rows without and with it. Beside a current that stands, a stem without friction is carried
-on over many rows in a step, and every slip ends such a step. With presliding the stem rests on a
-spring and has no moments at which it starts.
+The same rows without and with it, medians of {FRICTION_ROUNDS} rounds. Beside a current that
+stands, a stem without friction is carried on over many rows in a step, and every slip ends such a
+step. With presliding the stem rests on a spring and has no moments at which it starts.
 
 {friction()}
 
 ## Ensembles
 
-Throughput per thread (wall time) and CPU time per set, both relative to a single run alone. What
-else runs on the machine lowers the former. The results are those of single runs to the last bit
-whatever the number of threads.
+Throughput per thread (wall time) and CPU time per set, both relative to the same sets run one by
+one, half of them before and half after; medians of {ENSEMBLE_ROUNDS} rounds. Only what runs beside
+it lowers the former, and threads that share a core. The results are those of single runs to the
+last bit whatever the number of threads.
 
 {ensembles()}
 
