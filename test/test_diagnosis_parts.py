@@ -168,6 +168,19 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error(
     assert any(s.startswith('on the other record the error of valve_pos') for s in sentences)
 
 
+def test_a_seat_fully_open_in_the_other_record_alone_is_said():
+    found = unknown_found()
+    columns = timed_columns(BENT, seed=2)
+    assert validated(found, prepare(record_of(columns), DECLARED)).notes == found.notes
+
+    columns['control_current'] = np.where(columns['time'] < 30.0, 0.46e-3, 0.36e-3)
+    run = simulate(BENT, columns['time'], columns['control_current'], {'chamber_pressure': 230e3})
+    columns |= {name: run[name] for name in ('chamber_pressure', 'valve_position')}
+    notes = validated(found, prepare(record_of(columns), DECLARED)).notes
+    assert sum('has the exhaust open as far as it goes' in note for note in notes) == 1
+    assert not any('has the intake open' in note for note in notes)
+
+
 def selected(search):
     return compared(search, named(search, lambda *_: None), lambda *_: None)
 

@@ -10,6 +10,7 @@ from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.result import ChannelError, Diagnosis
+from booster_ros.model.booster import exhaust_area, intake_area
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -18,7 +19,10 @@ START = 5.0
 """Time from the beginning of the record that says where it starts, s."""
 
 WORTH_SAYING = 0.01
-"""Share of rows beyond a term's range from which that is said."""
+"""Share of rows beyond what the first record has seen from which that is said."""
+
+FULLY = 0.999
+"""Share of its largest area from which a seat is fully open."""
 
 
 def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
@@ -32,7 +36,8 @@ def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
         errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
     added = doubts(errors, 'the other record')
     return replace(diagnosis, validation=errors, notes=(
-        *diagnosis.notes, *added, *_beyond(diagnosis, experiment)))
+        *diagnosis.notes, *added, *_beyond(diagnosis, experiment),
+        *_opened_further(diagnosis, experiment)))
 
 
 def _beyond(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
@@ -47,6 +52,29 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
         return ()
     return (f'{100.0 * share:.0f} % of the other record lies beyond the {unknown.variable} in '
             'which the term without a name was seen: it fades to zero there',)
+
+
+def _opened_further(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
+    """Return a sentence for each seat that is open fully in this record and never in the first."""
+    fitted = _fully_open(diagnosis.experiment, diagnosis.after)
+    judged = _fully_open(experiment, diagnosis.after)
+    return tuple(
+        f'{100.0 * judged[seat]:.0f} % of the other record has the {seat} open as far as it goes, '
+        'which the first record never had: that largest area is still the declared one, and shows '
+        'as an error if it is wrong'
+        for seat in judged if judged[seat] >= WORTH_SAYING and fitted[seat] == 0.0)
+
+
+def _fully_open(experiment: Experiment, parameters: PositionerParameters) -> dict[str, float]:
+    """Return the share of rows in which each seat of the booster is open as far as it goes."""
+    booster = parameters.booster
+    run = experiment.simulate(parameters)
+    rows = list(zip(run['booster_force'], run['supply_pressure'], run['chamber_pressure']))
+    intake = [intake_area(booster, force, supply, outlet) for force, supply, outlet in rows]
+    exhaust = [exhaust_area(booster, force, outlet) for force, _, outlet in rows]
+    largest = {'intake': booster.max_area, 'exhaust': booster.max_area * booster.exhaust_area_ratio}
+    return {seat: float(np.mean(np.array(areas) >= FULLY * largest[seat])) if largest[seat] else 0.0
+            for seat, areas in (('intake', intake), ('exhaust', exhaust))}
 
 
 def predicted_from_start(
