@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 import os
 import statistics
 import time
@@ -33,21 +32,15 @@ EFFECTS: tuple[tuple[str, dict[str, object]], ...] = (
 )
 
 
-def best_time(run: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
-    """Return the least time of some runs, s: what disturbs can only slow down."""
-    best = np.inf
-    for _ in range(ROUNDS):
-        begin = clock()
-        run()
-        best = min(best, clock() - begin)
-    return best
-
-
 def case_speed(case: Case) -> float:
-    """Return simulated seconds per CPU second."""
-    length = case.time[-1] - case.time[0]
-    return float(length / best_time(lambda: simulate(
-        case.parameters, case.time, case.control_current, case.initial)))
+    """Return simulated seconds per CPU second, of the best run: disturbances only slow down."""
+    return float(case.time[-1] - case.time[0]) / min(_cpu_time(case) for _ in range(ROUNDS))
+
+
+def _cpu_time(case: Case) -> float:
+    begin = time.process_time()
+    simulate(case.parameters, case.time, case.control_current, case.initial)
+    return time.process_time() - begin
 
 
 def effects() -> str:
@@ -140,12 +133,6 @@ def friction() -> str:
             lines.append(f'| {case.name} | {name} | {slips(runs[k])} | '
                          f'{case.time[-1] / needed:.0f} | {ratio:.2f} |')
     return '\n'.join(lines)
-
-
-def _cpu_time(case: Case) -> float:
-    begin = time.process_time()
-    simulate(case.parameters, case.time, case.control_current, case.initial)
-    return time.process_time() - begin
 
 
 def document() -> str:

@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
-from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.roles import Roles, roles
-from booster_ros.diagnosis.start_state import start_state
-from booster_ros.model.ep_converter import settled_back_pressure
-from booster_ros.model.system import Departure, PositionerParameters
+from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
+from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.time_axis import GAP_PERIODS, gap_rows
 
@@ -29,12 +27,6 @@ to follow; where the current drives, the chamber has to fill."""
 
 FEWEST_ROWS = 12
 """Rows that must be comparable at the least."""
-
-FIRST_SECONDS = 3.0
-EVIDENT = 0.1
-NEARLY_SETTLED = 10e3
-"""Share of the squared error of the first seconds that another start of the converter may leave,
-and how far from settled it must be, Pa, to be taken for one; up to there a fit finds it."""
 
 EVEN = 1e-3
 """Rows this evenly spaced, relative to their distance, are those of one clock with the drive."""
@@ -88,7 +80,7 @@ def prepare(
     if role.commanded and not _evenly_sampled(time):
         experiment = _with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
-        experiment = _with_start_of_converter(experiment, declared)
+        experiment = with_start_of_converter(experiment, declared)
     if role.pinned:
         experiment = _with_noise_of_drives(experiment, declared, noise)
     return experiment
@@ -160,13 +152,8 @@ def _noise(
     """Return the noise level of every channel: coloured noise is more than its differences show."""
     drives = [current, *(_bridged(time, columns[name]) for name in role.pinned)]
     rests = [] if quasi_static else rests_of(time, drives)
-    return {name: least_noise(name, noise_of(values, rests).level)
+    return {name: max(noise_of(values, rests).level, LEAST_NOISE.get(name, 0.0))
             for name, values in columns.items() if name != 'time'}
-
-
-def least_noise(name: str, level: float) -> float:
-    """Return the noise level of a channel, at least what a fit can take for noise."""
-    return max(level, LEAST_NOISE.get(name, 0.0))
 
 
 def _bridged(time: Array, values: Array) -> Array:
@@ -210,39 +197,6 @@ def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
     known = {name: values[np.isfinite(values)] for name, values in compared.items()}
     return tuple(f'{name} stands still: every row has the same value'
                  for name, values in known.items() if len(values) and np.ptp(values) == 0.0)
-
-
-def _with_start_of_converter(experiment: Experiment, declared: PositionerParameters) -> Experiment:
-    """
-    Return the experiment with the E/P converter away from settled where it evidently starts there.
-
-    A record may begin with its first command, the converter still at an earlier one. Then the first
-    seconds call for another back pressure by far.
-    """
-    rows = experiment.time <= experiment.time[0] + FIRST_SECONDS
-    first = replace(
-        experiment, time=experiment.time[rows], current=experiment.current[rows],
-        measured={name: values[rows] for name, values in experiment.measured.items()},
-        pinned={name: values[rows] for name, values in experiment.pinned.items()})
-    if len(first.time) < FEWEST_ROWS:
-        return experiment
-
-    def start(departure: float) -> Initial:
-        return replace(experiment.initial, departure=Departure(float(departure)))
-
-    def missed(departure: float) -> float:
-        predicted = first.predict(declared, start(departure))
-        return float(sum(np.nansum(((values - predicted[name]) / first.noise[name])**2)
-                         for name, values in first.measured.items()))
-
-    supply = declared.supply.pressure
-    settled = settled_back_pressure(declared.ep_converter, first.current[0], supply, 0.0, 0.0)
-    found = minimize_scalar(missed, bounds=(-settled, supply - settled), method='bounded')
-    if found.fun > EVIDENT * missed(0.0) or abs(found.x) < NEARLY_SETTLED:
-        return experiment
-    note = (f'the E/P converter had not settled at the first command: it is taken to start at '
-            f'{settled + found.x:.0f} Pa')
-    return replace(experiment, initial=start(found.x), notes=(*experiment.notes, note))
 
 
 def _evenly_sampled(time: Array) -> bool:

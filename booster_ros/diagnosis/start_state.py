@@ -1,14 +1,16 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a record starts: chamber pressure and stem position in its first rows."""
+"""Where a record starts: chamber pressure, stem position and back pressure in its first rows."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
-from booster_ros.diagnosis.experiment import Initial
+from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.model.ep_converter import settled_back_pressure
-from booster_ros.model.system import PositionerParameters
+from booster_ros.model.system import Departure, PositionerParameters
 
 Array = np.ndarray
 
@@ -17,6 +19,17 @@ _FIRST_ROWS = 5
 
 _AT_STOP = 0.02
 """Share of the travel within which a stem may rest against its stop."""
+
+_FIRST_SECONDS = 3.0
+"""Time from the first row on that tells where the converter started."""
+
+_EVIDENT = 0.1
+_NEARLY_SETTLED = 10e3
+"""Share of the squared error of the first seconds that another start of the converter may leave,
+and how far from settled it must be, Pa, to be taken for one; up to there a fit finds it."""
+
+_ROWS_FOR_A_START = 12
+"""With fewer rows in the first seconds the converter is taken as settled."""
 
 
 def start_state(
@@ -41,6 +54,39 @@ def first_value(values: Array, noise: float) -> float | None:
         return None
     moved = abs(first[-1] - first[0]) > 3.0 * np.sqrt(2.0) * noise
     return float(first[0] if moved else np.mean(first))
+
+
+def with_start_of_converter(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """
+    Return the experiment with the E/P converter away from settled where it evidently starts there.
+
+    A record may begin with its first command, the converter still at an earlier one. Then the first
+    seconds call for another back pressure by far.
+    """
+    rows = experiment.time <= experiment.time[0] + _FIRST_SECONDS
+    first = replace(
+        experiment, time=experiment.time[rows], current=experiment.current[rows],
+        measured={name: values[rows] for name, values in experiment.measured.items()},
+        pinned={name: values[rows] for name, values in experiment.pinned.items()})
+    if len(first.time) < _ROWS_FOR_A_START:
+        return experiment
+
+    def start(departure: float) -> Initial:
+        return replace(experiment.initial, departure=Departure(float(departure)))
+
+    def missed(departure: float) -> float:
+        predicted = first.predict(declared, start(departure))
+        return float(sum(np.nansum(((values - predicted[name]) / first.noise[name])**2)
+                         for name, values in first.measured.items()))
+
+    supply = declared.supply.pressure
+    settled = settled_back_pressure(declared.ep_converter, first.current[0], supply, 0.0, 0.0)
+    found = minimize_scalar(missed, bounds=(-settled, supply - settled), method='bounded')
+    if found.fun > _EVIDENT * missed(0.0) or abs(found.x) < _NEARLY_SETTLED:
+        return experiment
+    note = (f'the E/P converter had not settled at the first command: it is taken to start at '
+            f'{settled + found.x:.0f} Pa')
+    return replace(experiment, initial=start(found.x), notes=(*experiment.notes, note))
 
 
 def _unmeasured_pressure(

@@ -157,8 +157,6 @@ def _progress() -> Iterator[Callable[[str, float], None]]:
 @contextmanager
 def _output_folder(out: Path) -> Iterator[Path]:
     """Yield a temporary folder whose files are moved to `out` when everything is written."""
-    if out.exists() and not out.is_dir():
-        raise RecordError(f'{out}: is not a folder')
     for name in WRITTEN:
         if (out / name).is_dir():
             raise RecordError(f'{out / name}: is a folder, a file is to be written there')

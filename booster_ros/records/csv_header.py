@@ -119,8 +119,7 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
     Ignoring it would silently turn a record in time into a quasi-static sweep.
     """
     for cell in cells:
-        words = re.split('[^a-z]+', _normalised(cell))
-        words = [word for word in words if word]
+        words = re.findall('[a-z]+', _normalised(cell))
         if set(words[:1]) & _NAMES_FOR_TIME or set(words) & _SURELY_TIME:
             raise RecordError(
                 f'{source}, row 1: column {cell.strip()!r} looks like the time; '

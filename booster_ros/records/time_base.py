@@ -18,10 +18,8 @@ import numpy as np
 from booster_ros.records.record import MEASURED, Array, Defect
 from booster_ros.records.time_axis import GAP_PERIODS
 
-
 SLOPE_SAMPLES = 2
 """Samples on either side over which a slope is taken: it adds 3 % to the noise at the most."""
-
 
 MIDDLE = 0.2
 """Samples this near the middle between two rows, in rows, go to the first of them."""
