@@ -151,12 +151,13 @@ def plot(outcomes: dict[str, list[Result]], path: Path) -> None:
 
     figure, panels = pyplot.subplots(
         1, len(outcomes), figsize=(14.0, 4.5), layout='constrained', sharey=True)
+    names = list(dict.fromkeys(r.name for results in outcomes.values() for r in results))
     for axes, (case, results) in zip(panels, outcomes.items(), strict=True):
         for name in dict.fromkeys(r.name for r in results):
             mine = [r for r in results if r.name == name]
             # within a nanometre the last digits of the reference count
             axes.loglog([max(1e6 * r.error, 1e-3) for r in mine], [r.speed for r in mine],
-                        'o-', label=name)
+                        'o-', label=name, color=f'C{names.index(name)}')
         axes.axvline(1e6 * WANTED, color='grey', linestyle=':', label='5 µm')
         axes.set(title=case, xlabel='position error, µm RMS')
         axes.grid(which='both', alpha=0.3)
