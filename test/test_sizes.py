@@ -12,11 +12,12 @@ import pytest
 from booster_ros.diagnosis.diagnose import diagnose
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import (
-    BENCH_RANGE, Fit, Problem, declared_freedom, effect_freedom, put)
+    BENCH, BENCH_RANGE, Fit, Problem, declared_freedom, effect_freedom, get, put)
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_sizes, undetermined
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.screening import with_effect
+from booster_ros.diagnosis.search import polished
 from booster_ros.diagnosis.candidate import Candidate
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
@@ -185,9 +186,19 @@ def test_a_flow_bench_finds_a_gain_far_from_the_declared_one():
                  if f.knob.parameter.startswith('booster.'))
     problem = with_effect(
         Problem(experiment, np.ones(54, dtype=bool), DECLARED, free), EFFECTS['booster_dead_band'])
-    fit = problem.fit(evaluations=60)
+    fit = polished(problem, problem.fit(evaluations=60))
     assert fit.parameters.booster.opening_gain == pytest.approx(7e-6, rel=0.02)
     assert fit.parameters.booster.intake_preload == pytest.approx(0.37, rel=0.02)
+
+
+def test_the_range_of_a_bench_holds_no_place_where_its_parameters_stand_still():
+    for name in BENCH:
+        free = next(f for f in declared_freedom(DECLARED, bench(7e-6, 0.37))
+                    if f.knob.parameter == name)
+        given = get(DECLARED, name)
+        assert free.value(free.low) == pytest.approx(BENCH_RANGE * given)
+        assert free.value(free.high) == pytest.approx(given / BENCH_RANGE)
+        assert free.value(free.low + 1e-3) < 0.99 * free.value(free.low)
 
 
 def test_warm_air_in_a_shut_chamber_loses_pressure_until_it_is_as_cold_as_its_wall():

@@ -75,7 +75,7 @@ class Free:
 
     def _ends(self) -> tuple[float, float]:
         if self.knob.inverse:
-            return 0.0, self.knob.to_fit(self.knob.low)
+            return self.knob.to_fit(self.knob.neutral), self.knob.to_fit(self.knob.low)
         return self.knob.low, self.knob.high
 
     def value(self, z: float) -> float:
