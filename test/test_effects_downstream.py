@@ -22,6 +22,7 @@ import pytest
 from booster_ros.model.simulation import Plant, Simulation, simulate
 
 AREA, TRAVEL = 0.0796, 0.016
+STOP_STIFFNESS = 5e8
 SPRING = AREA * 150e3 / TRAVEL
 ATMOSPHERE = 101_325.0
 LEG = 30.0
@@ -343,6 +344,19 @@ def test_seat_load_acts_near_the_seat_only():
     force = departure({'actuator.seat_load': load, 'actuator.seat_depth': depth}, positions)
     expected = -load * np.maximum(1.0 - positions / depth, 0.0)
     assert force == pytest.approx(expected, abs=5.0)
+
+
+def test_a_soft_seat_yields_below_the_closed_stem_and_nowhere_else():
+    stiffness, pressure = 2e7, 40e3
+    time = rows(20.0)
+    soft = positioner({'actuator.seat_stiffness': stiffness})
+    run = simulate(soft, time, 0.0 * time, pinned={'chamber_pressure': 0.0 * time + pressure})
+    seat_and_stop = 1.0 / (1.0 / stiffness + 1.0 / STOP_STIFFNESS)
+    shut_with = AREA * (expected_pressure(0.0) - pressure)
+    assert run['valve_position'][-1] == pytest.approx(
+        -shut_with / (seat_and_stop + SPRING), rel=1e-4)
+    force = departure({'actuator.seat_stiffness': stiffness}, SHARES * TRAVEL)
+    assert force == pytest.approx(0.0, abs=3.0)
 
 
 def test_flow_force_fades_with_travel():

@@ -46,6 +46,7 @@ EFFECTS = {
     'actuator.friction_gradient': (-200.0, 500.0),
     'actuator.spring_bend': (-300.0, 300.0),
     'actuator.seat_load': (0.0, 2000.0),
+    'actuator.seat_stiffness': (1e8, 1e10),
     'actuator.flow_force': (-500.0, 500.0),
     'sensors.position_lag': (0.0, 1.0),
     'sensors.position_backlash': (0.0, 1e-3),

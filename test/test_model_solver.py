@@ -51,6 +51,7 @@ EVERYTHING = {
     'actuator.friction_gradient': 50.0,
     'actuator.spring_bend': 100.0,
     'actuator.seat_load': 300.0,
+    'actuator.seat_stiffness': 5e7,
     'actuator.flow_force': 150.0,
     'sensors.pressure_lag': 0.05,
     'sensors.position_lag': 0.1,

@@ -28,14 +28,14 @@ TIME = np.arange(0.0, 40.0, 0.02)
 CURRENT = 4.1e-4 + 4e-5 * np.sign(np.sin(TIME))
 
 
-def recorded(plant, seed=3):
+def recorded(plant, seed=3, current=CURRENT):
     """Return a noisy record of a plant as an experiment."""
-    run = simulate(plant, TIME, CURRENT, {'chamber_pressure': 2e5})
+    run = simulate(plant, TIME, current, {'chamber_pressure': 2e5})
     noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
     rng = np.random.default_rng(seed)
     measured = {name: run[f'measured_{name}'] + level * rng.standard_normal(len(TIME))
                 for name, level in noise.items()}
-    return Experiment(TIME, CURRENT, measured, noise, {}, Initial(2e5))
+    return Experiment(TIME, current, measured, noise, {}, Initial(2e5))
 
 
 def fitted(leak, effect):
@@ -199,6 +199,26 @@ def test_the_range_of_a_bench_holds_no_place_where_its_parameters_stand_still():
         assert free.value(free.low) == pytest.approx(BENCH_RANGE * given)
         assert free.value(free.high) == pytest.approx(given / BENCH_RANGE)
         assert free.value(free.low + 1e-3) < 0.99 * free.value(free.low)
+
+
+def test_stops_may_be_rigid_but_not_as_soft_as_a_seat():
+    name = 'actuator.stop_stiffness'
+    free = next(f for f in declared_freedom(DECLARED, recorded(P)) if f.knob.parameter == name)
+    assert free.value(free.low) > 100.0 * get(DECLARED, name)
+    assert get(DECLARED, name) / 3.0 < free.value(free.high) < get(DECLARED, name) / 2.0
+
+
+def test_a_seat_that_yields_is_told_from_stops_that_do():
+    stiffness = 2e7
+    closing = np.where(TIME < 20.0, CURRENT, 3.8e-4)
+    experiment = recorded(put(P, 'actuator.seat_stiffness', stiffness), current=closing)
+    problem = Problem(experiment, np.ones(len(TIME), dtype=bool), P,
+                      tuple(declared_freedom(P, experiment)))
+    joint = with_effect(problem, EFFECTS['seat_load'])
+    refit, fit = problem.fit(), joint.fit()
+    assert refit.cost > 1.5 * problem.rows_counted()
+    assert fit.cost < 1.1 * problem.rows_counted()
+    assert fit.parameters.actuator.seat_stiffness == pytest.approx(stiffness, rel=0.1)
 
 
 def test_warm_air_in_a_shut_chamber_loses_pressure_until_it_is_as_cold_as_its_wall():

@@ -127,7 +127,7 @@ _DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
     ('actuator.bench_set', 0.004, 0.0, 0),
     ('actuator.bench_set', 0.004, 0.0, 1),
     ('actuator.viscous_friction', 0.3, 0.0, None),
-    ('actuator.stop_stiffness', 0.5, 0.0, None),
+    ('actuator.stop_stiffness', 0.3, 0.0, None),
 )
 
 
@@ -136,6 +136,10 @@ BENCH = ('booster.opening_gain', 'booster.max_area')
 
 BENCH_RANGE = 20.0
 """How far the bench may find them from what was declared, as a factor."""
+
+RIGID = 1e12
+SOFTEST_STOP = 0.4
+"""End stops may be rigid, N/m, or yield more than declared; below this share it is a soft seat."""
 
 
 def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Free]:
@@ -148,6 +152,10 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
             high = value * BENCH_RANGE
             knob = Knob(name, value, value / BENCH_RANGE, high, high, inverse=1)
             found.append(Free(knob, 1.0 / value, 1.0 / value))
+            continue
+        if name == 'actuator.stop_stiffness':  # as a compliance: a record may show it to be none
+            knob = Knob(name, value, SOFTEST_STOP * value, RIGID, RIGID, inverse=1)
+            found.append(Free(knob, 1.0 / value, relative / value, 1.0))
             continue
         width = abs(value)
         if name == 'actuator.bench_set':  # as sure of one end as of what lies between them

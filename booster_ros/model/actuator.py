@@ -68,6 +68,9 @@ class Actuator(NamedTuple):
         'N', 'seat_load: force of the soft seat on the closed stem (opening)', -1e6, 1e6)] = 0.0
     seat_depth: Annotated[float, Quantity(
         'm', 'seat_load: travel over which the seat lets go', 1e-6, 0.1)] = 1e-3
+    seat_stiffness: Annotated[float, Quantity(
+        'N/m', 'seat_load: stiffness of a soft seat before the lower stop, 0 = hard',
+        0.0, 1e12)] = 0.0
     flow_force: Annotated[float, Quantity(
         'N', 'flow_force: closing force of the process on the plug at closed stem',
         -1e6, 1e6)] = 0.0
@@ -150,7 +153,10 @@ def spring_force(act: Actuator, position: float) -> float:
 def stop_force(act: Actuator, position: float, velocity: float) -> float:
     """Return the force of the end stops on the stem, N, positive towards open; never pulls."""
     if position < 0.0:
-        return max(-act.stop_stiffness * position - act.stop_damping * velocity, 0.0)
+        stiffness = act.stop_stiffness
+        if act.seat_stiffness > 0.0:  # seat and stop yield one behind the other
+            stiffness *= act.seat_stiffness / (act.seat_stiffness + stiffness)
+        return max(-stiffness * position - act.stop_damping * velocity, 0.0)
     if position > act.travel:
         return min(
             -act.stop_stiffness * (position - act.travel) - act.stop_damping * velocity, 0.0)

@@ -189,10 +189,12 @@ _ROWS = (
         'bench test: the pressures at which the stem leaves 0 and reaches the travel',
         'bench set, IEC 60534', Knob('actuator.bench_set_shift', 5e3, -8e4, 8e4)),
     _effect(
-        'seat_load', 'stem', 'the seat holds or pushes the nearly closed stem',
-        'closing and opening', 'valve signature near the seat', 'soft seat that lets go linearly',
+        'seat_load', 'stem', 'the seat yields to, holds or pushes the nearly closed stem',
+        'closing and opening', 'valve signature near the seat',
+        'soft seat that yields and lets go linearly',
         Knob('actuator.seat_load', 500.0, -1e4, 1e4),
-        Knob('actuator.seat_depth', 1e-3, 1e-4, 6e-3, 1e-3, shape=True)),
+        Knob('actuator.seat_depth', 1e-3, 1e-4, 6e-3, 1e-3, shape=True),
+        Knob('actuator.seat_stiffness', 3e7, 1e6, 1e10, inverse=1)),
     _effect(
         'flow_force', 'stem', 'the process pushes on the plug',
         'positions across the travel', 'the same strokes without process pressure',
