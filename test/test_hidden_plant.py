@@ -126,6 +126,19 @@ def test_stick_slip_jumps_further_than_coulomb_friction():
     assert largest_jump('stem_friction_stick_slip') > 3.0 * largest_jump('stem_friction_coulomb')
 
 
+def test_air_enters_an_insulated_chamber_as_warm_as_the_supply():
+    valve = with_effect('heat_transfer')
+    valve = valve._replace(chamber=valve.chamber._replace(wall_resistance=1e9))
+    filling = np.concatenate([np.full(100, 0.37e-3), np.full(300, 0.40e-3)])  # the stem stays shut
+    rows = run(valve, filling, 0.0)
+    mass, temperature = column(rows, 'stored_mass'), column(rows, 'gas_temperature')
+    energy = 717.6 * mass * temperature
+    assert temperature[-1] - temperature[0] > 10.0
+    # first law of an open system: what the air brings is c_p times the temperature it comes with
+    assert energy[-1] - energy[0] == pytest.approx(
+        1004.7 * 293.15 * (mass[-1] - mass[0]), rel=0.01)
+
+
 def test_expanding_gas_cools_and_returns_to_the_wall_temperature():
     current = np.concatenate([CURRENT[:100], np.full(500, 0.47e-3), np.full(3000, 0.44e-3)])
     temperature = column(run(with_effect('heat_transfer'), current, 0.0), 'gas_temperature')

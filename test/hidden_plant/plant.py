@@ -154,7 +154,7 @@ def run(valve, currents, start_time):
         volume_before, volume = volume, gas_space.gas_volume(chamber, x)
         if not isothermal:
             temperature += STEP * gas_space.warming(
-                chamber, mass, temperature, wall, entering, outlet_temperature, leaving,
+                chamber, mass, temperature, wall, entering, supply.temperature, leaving,
                 pressure * (volume - volume_before) / STEP,
             )  # fmt: skip
         mass += STEP * (entering - leaving)
