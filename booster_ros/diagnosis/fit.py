@@ -21,7 +21,7 @@ from scipy.optimize import least_squares
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import Effect, Knob
-from booster_ros.model.parameters import ParameterError, check_consistent
+from booster_ros.model.parameters import DESCRIPTIONS, ParameterError, check_consistent
 from booster_ros.model.system import Departure, PositionerParameters
 
 Array = np.ndarray
@@ -137,9 +137,9 @@ BENCH = ('booster.opening_gain', 'booster.max_area')
 BENCH_RANGE = 20.0
 """How far the bench may find them from what was declared, as a factor."""
 
-RIGID = 1e12
-SOFTEST_STOP = 0.4
-"""End stops may be rigid, N/m, or yield more than declared; below this share it is a soft seat."""
+SOFTEST_STOP, HARDEST_STOP = 0.4, 10.0
+"""Shares of the declared stiffness of the end stops: below it is a soft seat, above no sensor sees
+them yield."""
 
 
 def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Free]:
@@ -153,8 +153,9 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
             knob = Knob(name, value, value / BENCH_RANGE, high, high, inverse=1)
             found.append(Free(knob, 1.0 / value, 1.0 / value))
             continue
-        if name == 'actuator.stop_stiffness':  # as a compliance: a record may show it to be none
-            knob = Knob(name, value, SOFTEST_STOP * value, RIGID, RIGID, inverse=1)
+        if name == 'actuator.stop_stiffness':  # as a compliance: a record may show next to none
+            hard = min(HARDEST_STOP * value, DESCRIPTIONS[name].high)
+            knob = Knob(name, value, SOFTEST_STOP * value, hard, hard, inverse=1)
             found.append(Free(knob, 1.0 / value, relative / value, 1.0))
             continue
         width = abs(value)

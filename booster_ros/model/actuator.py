@@ -29,7 +29,7 @@ class Actuator(NamedTuple):
     viscous_friction: Annotated[float, Quantity(
         'N s/m', 'force per stem velocity, c', 0.0, 1e9, 'assumed')] = 3000.0
     stop_stiffness: Annotated[float, Quantity(
-        'N/m', 'stiffness of the end stops', 1e5, 1e12, 'assumed: yields micrometres')] = 5e8
+        'N/m', 'stiffness of the end stops', 1e5, 1e11, 'assumed: yields micrometres')] = 5e8
     stop_damping: Annotated[float, Quantity(
         'N s/m', 'damping of the end stops', 0.0, 1e9, 'assumed: no rebound')] = 1e5
     leak_area: Annotated[float, Quantity(
