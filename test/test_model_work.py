@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """How often the solver evaluates the equations: counts, not times, guard its speed."""
 
+import numpy as np
 import pytest
 
 from booster_ros.benchmark import cases
 from booster_ros.model import dormand_prince, rodas3, solver
-from booster_ros.model.parameters import from_values
+from booster_ros.model.parameters import DESCRIPTIONS, from_values
 from booster_ros.model.simulation import simulate
 
 
@@ -51,3 +52,13 @@ def test_a_sliding_stem_takes_several_rows_a_step_too(evaluations):
 def test_stick_slip_costs_less_than_twice_as_much(evaluations):
     """Four jumps per second at 130 evaluations each; rows at rest take 5."""
     assert evaluations(cases.stick_slip(20.0)) < 2.0 * 7.0
+
+
+def test_the_hardest_stops_cost_little_more_than_usual_ones(evaluations):
+    """The stem runs onto its seat in the fourth second."""
+    hardest = from_values({'actuator.stop_stiffness': DESCRIPTIONS['actuator.stop_stiffness'].high})
+    case = cases.paper_test(8.0)
+    closing = case._replace(
+        control_current=np.where(case.time < 3.0, case.control_current[-1], 0.3e-3))
+    usual = evaluations(closing)
+    assert evaluations(closing._replace(parameters=hardest)) < 3.0 * usual
