@@ -6,10 +6,11 @@ from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.applicable import applicable, matters
+from booster_ros.diagnosis.applicable import applicable, free_to_refit, matters
 from booster_ros.diagnosis.fit import declared_freedom, put
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.gas import ISENTROPIC
 
 COLUMNS = timed_columns()
 ROWS = len(COLUMNS['time'])
@@ -77,6 +78,15 @@ def located(*locations):
 def test_a_full_record_may_show_every_effect():
     assert names('commanded') == set(EFFECTS)
     assert set(EFFECTS) - names('commanded, supply known') == located('supply')
+
+
+def test_the_isentropic_law_has_no_critical_ratio_to_look_for():
+    experiment = prepare(record_of(RECORDS['commanded']), DECLARED)
+    nozzle = put(DECLARED, 'booster.orifice_law', ISENTROPIC)
+    assert set(EFFECTS) - set(applicable(experiment, nozzle)) == {'critical_pressure_ratio'}
+    refitted = {free.knob.parameter for free in free_to_refit(nozzle, experiment)}
+    left = {free.knob.parameter for free in free_to_refit(DECLARED, experiment)} - refitted
+    assert left == {'booster.critical_pressure_ratio'}
 
 
 def test_a_signature_shows_the_stem_and_its_sensor():

@@ -6,6 +6,7 @@ import numpy as np
 from positioner_runs import PAPER_CURRENT, current_for, positioner, rows, settled_at
 import pytest
 
+from booster_ros.model.actuator import balance_position, stem_force
 from booster_ros.model.simulation import Simulation, simulate
 from booster_ros.paper.indices import step_indices
 from booster_ros.paper.printed import table_3
@@ -52,6 +53,13 @@ def test_full_travel_takes_a_fifteenth_of_a_milliampere():
     assert full - closed == pytest.approx(0.07e-3, rel=0.1)
     assert settle(closed, near=145e3)['valve_position'][-1] == pytest.approx(0.0, abs=5e-6)
     assert settle(full, near=295e3)['valve_position'][-1] == pytest.approx(0.016, abs=5e-6)
+
+
+def test_a_vented_stem_rests_as_deep_in_a_soft_seat_as_that_yields():
+    actuator = positioner({'actuator.seat_stiffness': 6e6}).actuator
+    position = balance_position(actuator, 0.0)
+    assert position < -0.1 * actuator.travel
+    assert stem_force(actuator, 0.0, position, 0.0, 0.0) == pytest.approx(0.0, abs=1e-3)
 
 
 def test_position_is_the_spring_balance():

@@ -165,8 +165,20 @@ def test_rows_before_the_first_known_drive_are_cut_off():
     columns['chamber_pressure'][:30] = np.nan
     experiment = prepare(record_of(**columns), DECLARED)
     assert len(experiment.time) == ROWS - 30
-    assert experiment.time[0] == columns['time'][30]
+    assert np.allclose(experiment.time, columns['time'][30:] - columns['time'][30])
     assert any(note.startswith('30 rows') for note in experiment.notes)
+
+
+def test_time_counts_from_where_the_record_begins():
+    columns = step_test()
+    columns['time'] += 5000.0
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert np.allclose(experiment.time, columns['time'] - 5000.0)
+    assert 'time counted from the first row used, at 5000 s' in experiment.notes
+    drifting = DECLARED._replace(ep_converter=DECLARED.ep_converter._replace(drift=5e3))
+    still, moved = experiment.predict(DECLARED), experiment.predict(drifting)
+    change = moved['chamber_pressure'] - still['chamber_pressure']
+    assert abs(change[-1]) > 5.0 * abs(change[20])
 
 
 def test_a_sweep_of_currents_is_compared_after_each_has_stood():

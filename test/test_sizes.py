@@ -221,6 +221,16 @@ def test_a_seat_that_yields_is_told_from_stops_that_do():
     assert fit.parameters.actuator.seat_stiffness == pytest.approx(stiffness, rel=0.1)
 
 
+def test_a_stem_that_sticks_starts_behind_the_play_of_its_sensor():
+    sticking = put(put(P, 'actuator.coulomb_friction', 300.0), 'sensors.position_backlash', 5e-4)
+    experiment = replace(recorded(P), initial=Initial(2e5, valve_position=4e-3))
+    problem = Problem(experiment, np.ones(len(TIME), dtype=bool), sticking, ())
+    z = problem.start()
+    z[3] = -1.0  # the sensor's part lies at the lower end of its play
+    first = problem.predict(z)['valve_position'][0]
+    assert first == pytest.approx(4e-3, abs=1e-7)
+
+
 def test_warm_air_in_a_shut_chamber_loses_pressure_until_it_is_as_cold_as_its_wall():
     shut = put(put(P, 'booster.opening_gain', 0.0), 'actuator.thermal_resistance', 1.0)
     time = np.arange(0.0, 60.0, 0.1)

@@ -13,6 +13,7 @@ import numpy as np
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Free, declared_freedom
 from booster_ros.model.catalogue import EFFECTS, Effect
+from booster_ros.model.gas import ISO_6358
 from booster_ros.model.system import PositionerParameters
 
 _NEED_A_CLOCK = {'dead_time', 'ep_drift', 'supply_ripple', 'heat_transfer', 'position_sensor_lag',
@@ -29,7 +30,8 @@ def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[
     """Return the names of the effects that can change what is compared in this experiment."""
     resting = _stem_rests(experiment, declared)
     return tuple(name for name, effect in EFFECTS.items()
-                 if _shows(effect, experiment) and not (resting and effect.location == 'stem'))
+                 if _shows(effect, experiment) and not (resting and effect.location == 'stem')
+                 and any(_acts(knob.parameter, declared) for knob in effect.knobs))
 
 
 def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
@@ -66,7 +68,14 @@ def _shows(effect: Effect, experiment: Experiment) -> bool:
 def free_to_refit(declared: PositionerParameters, experiment: Experiment) -> tuple[Free, ...]:
     """Return the declared parameters that a refit to this experiment may turn."""
     return tuple(free for free in declared_freedom(declared, experiment)
-                 if matters(free.knob.parameter, experiment))
+                 if matters(free.knob.parameter, experiment)
+                 and _acts(free.knob.parameter, declared))
+
+
+def _acts(parameter: str, declared: PositionerParameters) -> bool:
+    """Tell whether the declared law of flow through the seats knows the parameter."""
+    known_to_one_law = parameter.startswith('booster.critical_pressure_ratio')
+    return not known_to_one_law or declared.booster.orifice_law == ISO_6358
 
 
 def matters(parameter: str, experiment: Experiment) -> bool:

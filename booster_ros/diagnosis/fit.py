@@ -223,11 +223,6 @@ class Problem:
     def initial(self, z: Array, p: PositionerParameters) -> Initial:
         """Return the start at z: the stem stands where it was seen if it can stick."""
         start = self.experiment.initial
-        if not has_dry_friction(p.actuator):
-            start = replace(start, valve_position=None)
-        elif start.valve_position is not None:
-            seen = start.valve_position - p.sensors.position_bias
-            start = replace(start, valve_position=seen / (1.0 + p.sensors.position_span_error))
         if self.nuisances:
             pressure, back, ep_play, position_play, warmth = z[len(self.freedoms):]
             back = start.departure.back_pressure + 500.0 * back
@@ -235,7 +230,12 @@ class Problem:
                 start, departure=Departure(back, ep_play, position_play, 10.0 * warmth),
                 chamber_pressure=start.chamber_pressure + 100.0 * pressure
                 - p.sensors.pressure_bias)
-        return start
+        if start.valve_position is None or not has_dry_friction(p.actuator):
+            return replace(start, valve_position=None)
+        sensors = p.sensors
+        read = (start.valve_position - sensors.position_bias) / (1.0 + sensors.position_span_error)
+        lost = 0.5 * sensors.position_backlash * start.departure.position_play
+        return replace(start, valve_position=read - lost)
 
     def predict(self, z: Array) -> dict[str, Array] | None:
         """Return the model's channels at z, None where it cannot run."""

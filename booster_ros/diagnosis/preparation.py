@@ -59,6 +59,9 @@ def prepare(
     quasi_static = time is None
     if time is None:
         time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
+    elif time[0] != 0.0:  # what warms up or swings does so from where the record begins
+        trimmed = (*trimmed, f'time counted from the first row used, at {time[0]:.9g} s')
+        time = time - time[0]
     usable = _usable_rows(time, columns, role, quasi_static)
     compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
     _check_enough(compared, record.source)

@@ -239,6 +239,9 @@ def balance_position(act: Actuator, pressure: float) -> float:
     Bisection: the balance has no closed form once the spring is bent or the area changes.
     """
     low, high = -0.1 * act.travel, 1.1 * act.travel
+    if act.seat_stiffness > 0.0:
+        shut_with = spring_force(act, 0.0) + act.effective_area * ATMOSPHERE
+        low -= max(shut_with, 0.0) / act.seat_stiffness
     for _ in range(60):
         middle = 0.5 * (low + high)
         if stem_force(act, pressure, middle, 0.0, 0.0) > 0.0:

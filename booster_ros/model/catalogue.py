@@ -194,7 +194,7 @@ _ROWS = (
         'soft seat that yields and lets go linearly',
         Knob('actuator.seat_load', 500.0, -1e4, 1e4),
         Knob('actuator.seat_depth', 1e-3, 1e-4, 6e-3, 1e-3, shape=True),
-        Knob('actuator.seat_stiffness', 3e7, 1e6, 1e10, inverse=1)),
+        Knob('actuator.seat_stiffness', 3e7, 6e6, 1e10, inverse=1)),
     _effect(
         'flow_force', 'stem', 'the process pushes on the plug',
         'positions across the travel', 'the same strokes without process pressure',
