@@ -41,6 +41,17 @@ class Discrepancy(NamedTuple):
     )] = (0.0,) * KNOTS
 
 
+def can_depend(location: int, variable: int) -> bool:
+    """
+    Tell whether the term of a component can follow a variable.
+
+    The supply knows the time alone; the booster's force is no input of converter and stem.
+    """
+    if location == SUPPLY:
+        return variable == TIME
+    return variable != BOOSTER_FORCE or location not in (EP_CONVERTER, STEM)
+
+
 def interpolate(table: Discrepancy, value: float) -> float:
     """Return the term at `value`, in the unit of the table's location; zero outside."""
     place = (value - table.low) / (table.high - table.low) * (KNOTS - 1)

@@ -157,6 +157,9 @@ def check_consistent(p: PositionerParameters) -> None:
               f'{a.dead_volume + a.added_volume:g}'),
         _Rule(d.high > d.low,
               f'discrepancy.high ({d.high:g}) must be greater than discrepancy.low ({d.low:g})'),
+        _Rule(discrepancy.can_depend(d.location, d.variable),
+              f'discrepancy.variable: {discrepancy.VARIABLES[d.variable]} is nothing that a term '
+              f'in {discrepancy.LOCATIONS[d.location]} can follow'),
     )
     for rule in rules:
         if not rule.holds:
