@@ -30,12 +30,12 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'positioner = booster_ros.nodes.positioner:main',
-            'fake_controller = booster_ros.nodes.fake_controller:main',
-            'simulate = booster_ros.programs.simulate:main',
-            'close_loop = booster_ros.programs.close_loop:main',
-            'paper = booster_ros.programs.paper:main',
-            'demo = booster_ros.programs.demo:main',
+            'positioner = booster_ros.__main__:positioner',
+            'fake_controller = booster_ros.__main__:fake_controller',
+            'simulate = booster_ros.__main__:simulate',
+            'close_loop = booster_ros.__main__:close_loop',
+            'paper = booster_ros.__main__:paper',
+            'demo = booster_ros.__main__:demo',
         ],
     },
 )

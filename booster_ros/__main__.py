@@ -1,9 +1,10 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""`python -m booster_ros NAME …`: start one of the programs without a ROS installation's paths."""
+"""`python -m booster_ros NAME …` and the installed executables: load a program and start it."""
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
 import sys
 
@@ -49,12 +50,28 @@ def main(args: list[str] | None = None) -> int:
         known = ', '.join(PROGRAMS)
         print(f"booster_ros: no program is called '{name}'; there are {known}", file=sys.stderr)
         return 2
+    return start(name, rest)
+
+
+def start(name: str, args: list[str] | None = None) -> int:
+    """
+    Run a program and return its exit status; `args` are those of the command line if not given.
+
+    Libraries take a second or more to load. Who interrupts that reads a sentence, and gets the
+    status that the program has when it is interrupted later.
+    """
+    module = PROGRAMS[name][0]
     try:
-        program = import_module(PROGRAMS[name][0])
-    except KeyboardInterrupt:  # scientific libraries take seconds to load
+        program = import_module(module)
+    except KeyboardInterrupt:
         print(f'{name}: interrupted', file=sys.stderr)
-        return 130
-    return int(program.main(rest))
+        return 0 if module.startswith('booster_ros.nodes') else 130
+    return int(program.main(args))
+
+
+# what setup.py installs
+positioner, fake_controller, simulate, close_loop, paper, demo = (
+    partial(start, name) for name in PROGRAMS)
 
 
 if __name__ == '__main__':

@@ -36,13 +36,14 @@ def generate_launch_description() -> LaunchDescription:
                 executable='positioner',
                 name='positioner',
                 namespace=LaunchConfiguration('namespace'),
+                # not among `parameters`: a file that is not there would be passed over
+                ros_arguments=['--params-file', LaunchConfiguration('params_file')],
                 parameters=[
-                    LaunchConfiguration('params_file'),
                     {
                         'use_sim_time': ParameterValue(
                             LaunchConfiguration('use_sim_time'), value_type=bool
                         )
-                    },
+                    }
                 ],
                 output='screen',
             ),

@@ -28,13 +28,14 @@ def generate_launch_description() -> LaunchDescription:
                 executable='fake_controller',
                 name='fake_controller',
                 namespace=LaunchConfiguration('namespace'),
+                # not among `parameters`: a file that is not there would be passed over
+                ros_arguments=['--params-file', LaunchConfiguration('controller_params_file')],
                 parameters=[
-                    LaunchConfiguration('controller_params_file'),
                     {
                         'use_sim_time': ParameterValue(
                             LaunchConfiguration('use_sim_time'), value_type=bool
                         )
-                    },
+                    }
                 ],
                 output='screen',
                 on_exit=Shutdown(reason='the profile has been played'),

@@ -100,6 +100,26 @@ def test_a_profile_is_played_in_real_time_and_recorded(tmp_path, positioner, ros
     assert set(read_record(bag).columns) == set(record.columns)
 
 
+def test_what_had_waited_on_a_topic_is_over_before_the_profile_begins(tmp_path, positioner):
+    csv = tmp_path / 'record.csv'
+    with controller(levels=[2e-4], dwell=1.0, record_csv=csv) as node:
+        assert node.wait() == 0, node.output
+        said = {line.split()[-1]: float(line.split('[')[2].split(']')[0]) for line in node.stderr
+                if line.endswith(('waiting', 'playing'))}
+    assert said['playing'] - said['waiting'] > 0.5
+    first = {name: values[0] for name, values in read_record(csv).columns.items()}
+    assert np.isfinite(list(first.values())).all()
+
+
+def test_a_recording_needs_every_output(ros_client):
+    ros_client.node.create_subscription(Float64, '/half/control_current', lambda message: None, 10)
+    for name in ('chamber_pressure', 'valve_position'):
+        ros_client.node.create_publisher(Float64, f'/half/{name}', 10)
+    with controller('-r', '__ns:=/half', wait_timeout=3.0, record_csv='/tmp/none.csv') as node:
+        assert node.wait() == 2
+    assert 'no chamber_pressure has come, no valve_position has come' in node.stderr[-1]
+
+
 def test_the_position_loop_moves_the_stem_to_the_set_point(tmp_path, positioner):
     csv = tmp_path / 'record.csv'
     with controller(
@@ -173,6 +193,8 @@ def test_simulated_time_sets_the_pace(tmp_path, ros_client):
     ({'levels': [0.0, 0.4524]}, 'is it in mA?'),
     ({'profile': 'csv', 'csv_file': '/no/file.csv'}, '/no/file.csv: No such file'),
     ({'record_csv': '/no/folder/x.csv'}, '/no/folder/x.csv cannot be written'),
+    ({'record_csv': '/'}, '/ cannot be written: it is a folder'),
+    ({'levels': []}, 'an empty list ([]) is no value of a parameter'),
     ({'wait_timeout': 0.3}, 'nobody subscribes to /alone/control_current'),
     ({'wait_timeout': 0.3, 'lockstep': True}, 'there is no /alone/positioner/step'),
 ])

@@ -79,3 +79,6 @@ def test_interrupted_while_libraries_load_it_says_so(monkeypatch, capsys):
     monkeypatch.setattr(__main__, 'import_module', interrupted)
     assert __main__.main(['close_loop']) == 130
     assert capsys.readouterr().err == 'close_loop: interrupted\n'
+    # the executables that setup.py installs; nodes end with 0 when they are interrupted
+    assert (__main__.simulate(), __main__.positioner()) == (130, 0)
+    assert capsys.readouterr().err == 'simulate: interrupted\npositioner: interrupted\n'

@@ -130,6 +130,8 @@ GOOD = 'time,control_current\n0,0.0004\n1,0.0004\n'
         ('time,control_current\n0,0.0004\n1,abc\n', 'row 3'),
         ('time,control_current\n0,0.0004\n1,inf\n', 'row 3'),
         ('time,control_current\n0,\n1,0.0004\n', 'row 2, column control_current'),
+        ('time,control_current,chamber_pressure\n0,0.0004,\n1,0.0004,2e5\n',
+         'row 2, column chamber_pressure'),
         ('time,control_current\n1,0.0004\n0,0.0004\n', 'row 3, column time'),
         ('time,control_current\n0,0.0004\n,0.0004\n', 'row 3, column time'),
         ('time,control_current\n0,0.45\n1,0.45\n', 'mA'),

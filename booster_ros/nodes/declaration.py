@@ -69,7 +69,7 @@ def descriptor(description: Description, read_only: bool = False) -> ParameterDe
         limits = 'true or false'
     made = ParameterDescriptor(
         description=f'{description.meaning} [{description.unit}]',
-        additional_constraints=f'{limits}; default: {description.source}',
+        additional_constraints=f'{limits}; default from: {description.source}',
         read_only=read_only)
     if isinstance(description.default, float):
         made.floating_point_range = [

@@ -17,6 +17,7 @@ from rclpy.duration import Duration
 from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.time import Time
 from rclpy.utilities import try_shutdown
 from std_msgs.msg import Float64, String
 
@@ -44,11 +45,16 @@ from .tick_clock import NANOSECONDS
 
 DESCRIPTION = 'Play a current profile to a positioner, or close its position loop, as a ROS 2 node.'
 
+OUTPUTS = ('chamber_pressure', 'valve_position')
+
 WAITING, PLAYING, DONE = 'waiting', 'playing', 'done'
 """What `~/status` says."""
 
 QUEUE_DEPTH = 10
 LOOK_PERIOD = 0.05
+SETTLING = Duration(seconds=0.5)
+"""A topic just found delivers at once what had waited; the profile begins when that is over."""
+
 DELIVERY_TIMEOUT = Duration(seconds=3)
 
 
@@ -68,6 +74,8 @@ class FakeController(Node):
         self._current = 0.0
         self._position = math.nan
         self._last_sample = 0
+        self._come: set[str] = set()
+        self._complete_since: Time | None = None
 
         self._status = self.create_publisher(
             String, '~/status',
@@ -122,12 +130,16 @@ class FakeController(Node):
 
     def _on_look(self) -> None:
         missing = self._missing()
+        now = self._steady_clock.now()
         if not missing:
-            self.destroy_timer(self._look_out)
-            self._enter(PLAYING)
-            self._pace.begin(self, self._last_sample)
+            self._complete_since = self._complete_since or now
+            if self._settings.lockstep or now - self._complete_since >= SETTLING:
+                self.destroy_timer(self._look_out)
+                self._enter(PLAYING)
+                self._pace.begin(self, self._last_sample)
             return
-        waited = (self._steady_clock.now() - self._waiting_since).nanoseconds / NANOSECONDS
+        self._complete_since = None
+        waited = (now - self._waiting_since).nanoseconds / NANOSECONDS
         if 0.0 < self._settings.wait_timeout < waited:
             raise ParameterError(
                 f'no positioner within wait_timeout ({self._settings.wait_timeout:g} s): '
@@ -139,11 +151,13 @@ class FakeController(Node):
         missing = self._pace.missing()
         if not self._currents.get_subscription_count():
             missing.append(f'nobody subscribes to {self._currents.topic_name}')
+        records = bool(settings.record_csv or settings.record_bag)
         is_position_loop = settings.mode == POSITION
-        if is_position_loop or settings.lockstep or settings.record_csv or settings.record_bag:
+        if is_position_loop or settings.lockstep or records:
             missing += [f'nobody publishes {name}' for name in self._feedback.missing_topics()]
-        if is_position_loop and not settings.lockstep and math.isnan(self._position):
-            missing.append('no position has come')
+        if not settings.lockstep:  # there it comes when it is asked for
+            needed = OUTPUTS if records else OUTPUTS[1:] if is_position_loop else ()
+            missing += [f'no {name} has come' for name in needed if name not in self._come]
         return missing
 
     # Playing
@@ -169,6 +183,7 @@ class FakeController(Node):
         if column == 'valve_position':
             self._position = value
         self._last_sample = stamp
+        self._come.add(column)
         if self._phase != PLAYING:
             return
         own_stamp = self._pace.stamp(column, stamp)
@@ -186,6 +201,7 @@ class FakeController(Node):
     def finish(self) -> None:
         """Complete the recording, say so, and end unless told to stay."""
         self._progress.show(self.duration)
+        self._phase = DONE  # whatever comes of closing, it is not tried twice
         self._close_recording()
         if self._recorded_to():
             self.get_logger().info(self._recorded_to())

@@ -61,6 +61,10 @@ def run(
         pass
     except ParameterError as error:
         return _complain(name, str(error))
+    except ValueError as error:
+        if 'PARAMETER_NOT_SET' not in str(error):
+            raise
+        return _complain(name, 'an empty list ([]) is no value of a parameter')
     except Exception:
         # rclpy raises all sorts where the context ends in the middle of something
         if ok():

@@ -115,9 +115,15 @@ def _portions(source: Path) -> Iterator[tuple[np.ndarray, np.ndarray, dict[str, 
         if np.isnan(current[0]):
             raise RecordError(
                 f'{source}, row {chunk.rows[0]}, column control_current: the first row needs one')
+        first_row = dict(zip(given, chunk.values[0, len(INPUT):].tolist(), strict=True))
+        if np.isnan(standing):  # the row that the model starts from
+            for name, value in first_row.items():
+                if np.isnan(value):
+                    raise RecordError(
+                        f'{source}, row {chunk.rows[0]}, column {name}: the first row needs one, '
+                        'or the column must go')
         standing = float(current[-1])
-        first_row = zip(given, chunk.values[0, len(INPUT):], strict=True)
-        yield time, current, {name: float(v) for name, v in first_row if np.isfinite(v)}
+        yield time, current, first_row
 
 
 def _held(current: np.ndarray, standing: float) -> np.ndarray:

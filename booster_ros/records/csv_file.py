@@ -133,6 +133,8 @@ class CsvWriter:
 
     def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
         self._path = Path(path)
+        if self._path.is_dir():
+            raise RecordError(f'{self._path} cannot be written: it is a folder')
         self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
         decimals = [_decimals(name) for name in columns]
         self._decimals = [places for places in decimals if places is not None]
