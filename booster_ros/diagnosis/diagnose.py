@@ -36,7 +36,8 @@ Array = np.ndarray
 USED = ('fit', 'select')
 
 NEAR_LIMIT = 0.01
-"""A declared parameter this near the end of its range, relative to its way there, is at it."""
+"""A declared parameter this near the end of its range, relative to its way there, is at it: a fit
+in the inside of the range comes near its ends and does not touch them."""
 
 WORSE = 1.05
 """Held-out error after, relative to before, from which a note warns."""
@@ -241,9 +242,7 @@ def _found_unknown(alike: list[Candidate], after: Fit
 
 def _at_limit(free: Free, z: float) -> bool:
     """Tell whether a declared parameter ended at either end of what a refit allows."""
-    value, given = free.value(z), free.value(0.0)
-    return any(abs(value - end) < NEAR_LIMIT * abs(end - given)
-               for end in (free.knob.low, free.knob.high))
+    return any(abs(z - end) < NEAR_LIMIT * abs(end) for end in (free.low, free.high))
 
 
 def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
