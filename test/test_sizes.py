@@ -18,7 +18,7 @@ from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.screening import with_effect
 from booster_ros.diagnosis.search import polished
-from booster_ros.diagnosis.candidate import Candidate
+from booster_ros.diagnosis.candidate import Candidate, clearly_better
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure, PositionerParameters
@@ -126,6 +126,37 @@ def test_they_stand_also_where_the_fit_gave_all_of_it_to_one():
     problem, draws, fit = made_fit('booster_dead_band', [1e-6, 0.01], nothing)
     assert undetermined(
         problem, draws, fit, 'booster_dead_band') == 'its size is not told from none'
+
+
+@pytest.mark.parametrize('segments', [[3], [3, 9], range(14)])
+def test_an_effect_that_few_segments_show_is_told_from_none(segments):
+    of_row = np.arange(len(TIME)) * 14 // len(TIME)
+    problem, _, fit = fitted(3e-8, 'chamber_leak')
+    shown = np.tile(np.isin(of_row, segments), len(problem.experiment.channels))
+    priors = len(fit.jacobian) - len(shown)
+    fit = replace(fit, jacobian=fit.jacobian * np.append(shown, np.ones(priors))[:, None])
+    draws = block_bootstrap(problem, fit, of_row)
+    assert undetermined(problem, draws, fit, 'chamber_leak') == ''
+
+
+def twice(fitted, by_segment):
+    """Return a model that leaves so much of the fit segments per row, and of each select one."""
+    made = candidate('seat_load', fitted * len(TIME))
+    rows = replace(made.problem.experiment, measured={'chamber_pressure': np.zeros(len(TIME))})
+    return replace(made, problem=replace(made.problem, experiment=rows), samples=400,
+                   by_segment=100.0 * np.array(by_segment))
+
+
+@pytest.mark.parametrize(('fitted', 'by_segment', 'better'), [
+    (1.02, [1.1, 1.0, 1.1, 1.0], True),
+    (8.0, [1.1, 1.0, 1.1, 1.0], False),  # the fit segments do not show it
+    (1.02, [1.1, 1.0, 9.0, 1.0], False),  # nor is it all of it
+    (1.02, [6.0, 1.0, 1.1, 1.0], False),  # it does harm elsewhere
+])
+def test_what_one_select_segment_shows_counts_if_the_fit_segments_show_it_too(
+        fitted, by_segment, better):
+    without = twice(12.0, [1.0, 1.0, 40.0, 1.0])
+    assert clearly_better(twice(fitted, by_segment), without) is better
 
 
 def test_a_size_that_moves_nothing_is_not_told_from_none():

@@ -20,6 +20,9 @@ WORTH_ADDING = 0.05
 WORTH_EXPLAINING = 0.3
 """And it must explain this share of what noise does not."""
 
+NEARLY_ALL = 0.1
+"""Of what noise does not explain, the share that an effect may leave which one segment shows."""
+
 TOO_SIMILAR = 0.05
 """Models whose scores differ by less than this share are not told apart by a record."""
 
@@ -69,7 +72,23 @@ def clearly_better(better: Candidate, worse: Candidate) -> bool:
     fall, error = gain(worse, better)
     excess = max(worse.score - worse.samples, 0.0)
     enough = better.confirmed or fall > WORTH_EXPLAINING * excess
-    return enough and fall > error and fall > WORTH_ADDING * worse.score
+    return enough and fall > WORTH_ADDING * worse.score and (
+        fall > error or _seen_twice(better, worse))
+
+
+def _seen_twice(better: Candidate, worse: Candidate) -> bool:
+    """
+    Tell whether fit and select segments show the same, and none shows the reverse.
+
+    What happens in one select segment only, a stem that reaches its seat, say, has a standard error
+    as large as itself. It counts if it takes nearly all that noise does not explain there, and in
+    the fit segments as well.
+    """
+    fitted, before = (one.fit.cost / max(one.problem.rows_counted(), 1) for one in (better, worse))
+    falls = worse.by_segment - better.by_segment
+    return (fitted - 1.0 < NEARLY_ALL * (before - 1.0)
+            and better.misfit - 1.0 < NEARLY_ALL * (worse.misfit - 1.0)
+            and float(falls.min()) > -NEARLY_ALL * float(falls.max()))
 
 
 def preferred_first(candidates: list[Candidate]) -> list[Candidate]:

@@ -17,6 +17,9 @@ SAME_TRACE = 0.01
 FEWEST_BLOCKS = 8
 """Segments are cut into equal parts where there are fewer: of two there are three draws in all."""
 
+FEW, IN_FEW = 3, 0.9
+"""They are cut as well where so much of what is known of the size of an effect is in so few."""
+
 WIDEST = 30.0
 """Standard deviation of what a size may be before anything is seen, in typical sizes."""
 
@@ -41,9 +44,9 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
     segments = len(np.unique(of_row[problem.rows]))
     if segments < FEWEST_BLOCKS:
         of_row = _cut(of_row, -(-FEWEST_BLOCKS // segments))
-    label = np.concatenate([
-        of_row[problem.rows & np.isfinite(measured)]
-        for measured in problem.experiment.measured.values()])
+    label = _labels(problem, of_row)
+    if _shows_in_few(problem, fit, label):
+        label = _labels(problem, _cut(of_row, FEWEST_BLOCKS))
     data = len(label)
     blocks = np.unique(label)
     size = len(fit.z)
@@ -71,6 +74,28 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
             draws[d, rest] = fit.z[rest] - np.linalg.solve(
                 hessian[np.ix_(rest, rest)], gradient[rest])
     return draws
+
+
+def _labels(problem: Problem, of_row: Array) -> Array:
+    """Return the block of every residual of a measurement."""
+    return np.concatenate([
+        of_row[problem.rows & np.isfinite(measured)]
+        for measured in problem.experiment.measured.values()])
+
+
+def _shows_in_few(problem: Problem, fit: Fit, label: Array) -> bool:
+    """
+    Tell whether what is known of the size of an effect comes from few blocks.
+
+    A stem that reaches its seat twice, say: of 20 draws one or more are without these blocks, know
+    nothing of the size, and would call any trace chance.
+    """
+    sizes = [j for j, free in enumerate(problem.freedoms)
+             if not free.knob.shape and not np.isfinite(free.sigma) and fit.seen[j]]
+    known = fit.jacobian[:len(label), sizes]**2
+    by_block = np.array([known[label == k].sum(axis=0) for k in np.unique(label)])
+    in_few = np.sort(by_block, axis=0)[-FEW:].sum(axis=0)
+    return bool((in_few > IN_FEW * by_block.sum(axis=0)).any())
 
 
 def _cut(of_row: Array, parts: int) -> Array:
