@@ -61,11 +61,9 @@ def run(
         pass
     except ParameterError as error:
         return _complain(name, str(error))
-    except ValueError as error:
-        if 'PARAMETER_NOT_SET' not in str(error):
-            raise
-        return _complain(name, 'an empty list ([]) is no value of a parameter')
-    except Exception:
+    except Exception as error:
+        if 'PARAMETER_NOT_SET' in str(error):
+            return _complain(name, 'an empty list ([]) is no value of a parameter')
         # rclpy raises all sorts where the context ends in the middle of something
         if ok():
             raise
