@@ -3,7 +3,13 @@
 """Start one positioner and the fake controller that drives it; ends when the profile is played."""
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, Shutdown
+from launch.actions import (
+    DeclareLaunchArgument,
+    IncludeLaunchDescription,
+    RegisterEventHandler,
+    Shutdown,
+)
+from launch.event_handlers import OnProcessExit
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -38,7 +44,8 @@ def generate_launch_description() -> LaunchDescription:
                     }
                 ],
                 output='screen',
-                on_exit=Shutdown(reason='the profile has been played'),
             ),
+            # whichever ends first: the profile has been played, or there is nobody to play it to
+            RegisterEventHandler(OnProcessExit(on_exit=[Shutdown(reason='one of the two ended')])),
         ]
     )

@@ -21,6 +21,7 @@ from std_msgs.msg import Float64, String
 
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import Plant
+from booster_ros.nodes.silence import Silence
 from booster_ros.records import Record, read_record
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -118,6 +119,68 @@ def test_a_recording_needs_every_output(ros_client):
     with controller('-r', '__ns:=/half', wait_timeout=3.0, record_csv='/tmp/none.csv') as node:
         assert node.wait() == 2
     assert 'no chamber_pressure has come, no valve_position has come' in node.stderr[-1]
+
+
+def test_two_positioners_on_the_same_topics_are_not_recorded(tmp_path, positioner, ros_client):
+    other = ros_client.node.create_publisher(Float64, 'chamber_pressure', 10)
+    csv = tmp_path / 'record.csv'
+    try:
+        with controller(levels=[2e-4], dwell=0.5, wait_timeout=10.0, record_csv=csv) as node:
+            assert node.wait() == 2
+        said = node.stderr[-1]
+        assert 'several publish /chamber_pressure (/' in said
+        assert '/positioner' in said
+        assert not csv.exists()
+        with controller(levels=[2e-4], dwell=0.5) as node:  # it drives them all: no matter
+            assert node.wait() == 0, node.output
+    finally:
+        ros_client.node.destroy_publisher(other)
+
+
+def test_a_positioner_that_ends_ends_the_profile(tmp_path):
+    csv = tmp_path / 'record.csv'
+    mortal = ('-r', '__ns:=/mortal')
+    with positioner_process.start(*mortal) as valve, \
+            controller(*mortal, dwell=100.0, record_csv=csv) as node:
+        node.wait_for('playing')
+        time.sleep(0.5)
+        valve.interrupt()
+        assert node.wait() == 2
+    assert 'the positioner has gone' in node.output
+    assert 'partial' in node.output
+    assert len(read_record(csv)) > 10
+
+
+def test_a_positioner_that_was_killed_is_missed_at_the_end(tmp_path):
+    csv = tmp_path / 'record.csv'
+    shot = ('-r', '__ns:=/shot')
+    with positioner_process.start(*shot) as valve, \
+            controller(*shot, levels=[3e-4], dwell=7.0, record_csv=csv) as node:
+        node.wait_for('playing')
+        time.sleep(0.5)
+        valve.send(signal.SIGKILL)
+        assert node.wait() == 2
+    assert 'nothing has come from the positioner in the last' in node.stderr[-1]
+    assert 10 < len(read_record(csv)) < 400
+
+
+def test_a_lockstep_that_is_interrupted_says_that_the_positioner_is_paused():
+    held = ('-r', '__ns:=/held')
+    with positioner_process.start(*held), controller(*held, lockstep=True, dwell=1e4) as node:
+        node.wait_for('playing')
+        time.sleep(1.0)
+        assert node.interrupt() == 0
+    assert 'ros2 service call /held/positioner/pause std_srvs/srv/SetBool' in node.output
+
+
+def test_silence_is_what_is_longer_than_usual():
+    silence = Silence(100.0)
+    for moment in (100.5, 101.0, 102.0):
+        silence.heard(moment)
+    assert silence.lasts(105.9) == 0.0
+    assert silence.lasts(106.1) == pytest.approx(4.1)
+    silence.heard(106.1)
+    assert silence.lasts(107.2) == 0.0
 
 
 def test_the_position_loop_moves_the_stem_to_the_set_point(tmp_path, positioner):

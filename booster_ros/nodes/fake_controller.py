@@ -41,6 +41,7 @@ from .node_time import NodeTime
 from .pace import Pace, RealTime
 from .process import run
 from .progress import Progress
+from .silence import Silence
 from .tick_clock import NANOSECONDS
 
 DESCRIPTION = 'Play a current profile to a positioner, or close its position loop, as a ROS 2 node.'
@@ -52,6 +53,7 @@ WAITING, PLAYING, DONE = 'waiting', 'playing', 'done'
 
 QUEUE_DEPTH = 10
 LOOK_PERIOD = 0.05
+WATCH_PERIOD = 1.0
 SETTLING = Duration(seconds=0.5)
 """A topic just found delivers at once what had waited; the profile begins when that is over."""
 
@@ -92,7 +94,12 @@ class FakeController(Node):
         self._enter(WAITING)
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._waiting_since = self._steady_clock.now()
+        self._silence = Silence(self._seconds())
         self._look_out = self.create_timer(LOOK_PERIOD, self._on_look, clock=self._steady_clock)
+
+    def _seconds(self) -> float:
+        """Return the real time, s."""
+        return self._steady_clock.now().nanoseconds / NANOSECONDS
 
     def _make_pace(self, time: NodeTime) -> Pace:
         settings = self._settings
@@ -129,12 +136,15 @@ class FakeController(Node):
     # Waiting
 
     def _on_look(self) -> None:
-        missing = self._missing()
+        in_the_way = self._in_the_way()
         now = self._steady_clock.now()
-        if not missing:
+        if not in_the_way:
             self._complete_since = self._complete_since or now
             if self._settings.lockstep or now - self._complete_since >= SETTLING:
                 self.destroy_timer(self._look_out)
+                self._look_out = self.create_timer(
+                    WATCH_PERIOD, self._on_watch, clock=self._steady_clock)
+                self._silence = Silence(self._seconds())
                 self._enter(PLAYING)
                 self._pace.begin(self, self._last_sample)
             return
@@ -142,23 +152,28 @@ class FakeController(Node):
         waited = (now - self._waiting_since).nanoseconds / NANOSECONDS
         if 0.0 < self._settings.wait_timeout < waited:
             raise ParameterError(
-                f'no positioner within wait_timeout ({self._settings.wait_timeout:g} s): '
-                f'{", ".join(missing)}')
+                f'no positioner to play to within wait_timeout ({self._settings.wait_timeout:g} s): '
+                f'{", ".join(in_the_way)}')
 
-    def _missing(self) -> list[str]:
-        """Return what is not there yet of what is needed to play."""
-        settings = self._settings
-        missing = self._pace.missing()
+    def _in_the_way(self) -> list[str]:
+        """Return what keeps the profile from being played."""
+        found = self._pace.missing()
         if not self._currents.get_subscription_count():
-            missing.append(f'nobody subscribes to {self._currents.topic_name}')
-        records = bool(settings.record_csv or settings.record_bag)
-        is_position_loop = settings.mode == POSITION
-        if is_position_loop or settings.lockstep or records:
-            missing += [f'nobody publishes {name}' for name in self._feedback.missing_topics()]
-        if not settings.lockstep:  # there it comes when it is asked for
-            needed = OUTPUTS if records else OUTPUTS[1:] if is_position_loop else ()
-            missing += [f'no {name} has come' for name in needed if name not in self._come]
-        return missing
+            found.append(f'nobody subscribes to {self._currents.topic_name}')
+        needed = self._needed()
+        if needed:
+            found += [f'nobody publishes {name}' for name in self._feedback.missing_topics()]
+            found += [f'several publish {name}' for name in self._feedback.crowded_topics()]
+        if not self._settings.lockstep:  # there it comes when it is asked for
+            found += [f'no {name} has come' for name in needed if name not in self._come]
+        return found
+
+    def _needed(self) -> tuple[str, ...]:
+        """Return the outputs that what is to be done cannot do without."""
+        settings = self._settings
+        if settings.record_csv or settings.record_bag or settings.lockstep:
+            return OUTPUTS
+        return ('valve_position',) if settings.mode == POSITION else ()
 
     # Playing
 
@@ -179,10 +194,17 @@ class FakeController(Node):
         """Send the last command again."""
         self._currents.publish(Float64(data=self._current))
 
+    def _on_watch(self) -> None:
+        gone = self._feedback.missing_topics() if self._needed() else []
+        if gone:
+            raise ParameterError(
+                f'nobody publishes {" and ".join(gone)} any more: the positioner has gone')
+
     def _on_output(self, column: str, value: float, stamp: int) -> None:
         if column == 'valve_position':
             self._position = value
         self._last_sample = stamp
+        self._silence.heard(self._seconds())
         self._come.add(column)
         if self._phase != PLAYING:
             return
@@ -202,9 +224,15 @@ class FakeController(Node):
         """Complete the recording, say so, and end unless told to stay."""
         self._progress.show(self.duration)
         self._phase = DONE  # whatever comes of closing, it is not tried twice
+        self.destroy_timer(self._look_out)
+        silence = self._silence.lasts(self._seconds()) if self._needed() else 0.0
         self._close_recording()
         if self._recorded_to():
             self.get_logger().info(self._recorded_to())
+        if silence:
+            raise ParameterError(
+                f'nothing has come from the positioner in the last {silence:.1f} s: what was '
+                'played then drove nothing')
         self._enter(DONE)
         if not self._settings.keep_alive:
             self._status.wait_for_all_acked(DELIVERY_TIMEOUT)
@@ -228,9 +256,12 @@ class FakeController(Node):
         elif self._phase == PLAYING:
             self._close_recording()
             # The node's own logger also publishes, which it no longer can.
-            get_logger(f'{self.get_logger().name}.end').warning(
+            logger = get_logger(f'{self.get_logger().name}.end')
+            logger.warning(
                 f'interrupted after {self._played:.2f} of {self.duration:g} s; partial: '
                 f'{self._recorded_to() or "nothing recorded"}')
+            if self._pace.left_behind():
+                logger.warning(self._pace.left_behind())
         super().destroy_node()
 
 

@@ -26,6 +26,7 @@ class Feedback:
     """
 
     def __init__(self, node: Node, time: NodeTime, stamped: bool, received: Received) -> None:
+        self._node = node
         self._time = time
         self._received = received
         if stamped:
@@ -46,6 +47,16 @@ class Feedback:
             subscription.topic_name for subscription in self._subscriptions
             if not subscription.get_publisher_count()
         ]
+
+    def crowded_topics(self) -> list[str]:
+        """Return the topics that several nodes publish, each with the names of these nodes."""
+        found = []
+        for subscription in self._subscriptions:
+            nodes = [f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in
+                     self._node.get_publishers_info_by_topic(subscription.topic_name)]
+            if len(nodes) > 1:
+                found.append(f'{subscription.topic_name} ({", ".join(sorted(nodes))})')
+        return found
 
     def _now(self) -> int:
         return self._time.now() + self._time.stamp_offset()

@@ -79,6 +79,14 @@ class Lockstep:
             self._arrival = None
         return stamp
 
+    def left_behind(self) -> str:
+        """Return that the positioner stays paused: an ended context calls no service."""
+        if self._stays_paused or not self._answers:
+            return ''
+        service = self._node.resolve_service_name(self._pause.srv_name)
+        return (f'{self._positioner} stays paused until '
+                f'"ros2 service call {service} std_srvs/srv/SetBool \'{{data: false}}\'"')
+
     def _check_progress(self) -> None:
         if self._answers == self._answers_seen:
             raise ParameterError(f'lockstep: {self._positioner} does not answer')

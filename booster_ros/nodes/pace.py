@@ -51,6 +51,9 @@ class Pace(Protocol):
     def stamp(self, column: str, received: int) -> int | None:
         """Return the stamp (ns) of an output that came with one, None if it is not recorded."""
 
+    def left_behind(self) -> str:
+        """Return what the positioner is left in if playing ends now, '' where that is nothing."""
+
 
 class RealTime:
     """
@@ -98,6 +101,10 @@ class RealTime:
     def stamp(self, column: str, received: int) -> int | None:
         """Return the stamp as it is, None before the beginning."""
         return received if 0 < self._begin <= received else None
+
+    def left_behind(self) -> str:
+        """Return nothing: the positioner runs on."""
+        return ''
 
     def _on_timer(self, player: Player) -> None:
         now = self._time.now()
