@@ -98,11 +98,30 @@ def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():
     free = tuple(declared_freedom(DECLARED, experiment))
     problem = Problem(experiment, rows, DECLARED, free)
     over_time = next(one for one in terms(experiment.channels) if one.variable == term.TIME)
-    joint = with_term(problem, problem.at(problem.start()), over_time)
+    joint = with_term(problem, problem.at(problem.start()), over_time, rows)
     table = joint.base.discrepancy
     spacing = (table.high - table.low) / (term.KNOTS - 1)
     assert table.high <= experiment.time[rows][-1] + spacing
     assert table.low <= experiment.time[0]
+
+
+def test_a_table_covers_what_was_measured_and_not_where_a_model_without_it_stays():
+    """Also between the fitted rows: beyond its range it is zero, and what follows would suffer."""
+    columns = timed_columns()
+    columns['valve_position'] *= 1.5
+    experiment = prepare(record_of(columns), DECLARED)
+    measured = experiment.measured['valve_position']
+    rows = measured < np.median(measured)
+    free = tuple(declared_freedom(DECLARED, experiment))
+    problem = Problem(experiment, rows, DECLARED, free)
+    over_travel = next(one for one in terms(experiment.channels)
+                       if one.label == 'chamber over valve_position')
+    joint = with_term(
+        problem, problem.at(problem.start()), over_travel, np.ones(len(rows), dtype=bool))
+    table = joint.base.discrepancy
+    spacing = (table.high - table.low) / (term.KNOTS - 1)
+    assert table.low + spacing == pytest.approx(measured.min(), abs=0.5 * spacing)
+    assert table.high - spacing == pytest.approx(measured.max(), abs=0.5 * spacing)
 
 
 def test_terms_that_do_as_well_are_said():

@@ -21,7 +21,8 @@ from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, pr
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, polished
-from booster_ros.diagnosis.segments import Segment, rows_of, segment_of_row, split, split_sweep
+from booster_ros.diagnosis.segments import (
+    USED, Segment, rows_of, segment_of_row, split, split_sweep)
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, UNNAMED
 from booster_ros.model import discrepancy as term
@@ -32,8 +33,6 @@ from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 
 Array = np.ndarray
-
-USED = ('fit', 'select')
 
 NEAR_LIMIT = 0.01
 """A declared parameter this near the end of its range, relative to its way there, is at it: a fit

@@ -8,6 +8,7 @@ from booster_ros.diagnosis.candidate import TOO_SIMILAR, Candidate, clearly_bett
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, Search, polished
+from booster_ros.diagnosis.segments import USED, rows_of
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
 from booster_ros.diagnosis.unknown import UNNAMED, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
@@ -128,9 +129,11 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
         np.ptp(drive) == 0.0 for drive in experiment.pinned.values())
     likely = [one for one in terms(experiment.channels)
               if not (foreseen and still and one.variable == term.TIME)]
+    rows = np.searchsorted(experiment.time, thin.experiment.time)
+    seen = rows_of(search.segments, USED, len(experiment.time))[rows]
     references = [thin.at(refit.fit.z), thin.at(thin.start())]
     reached = sorted(
-        ((*linear_reach(thin, reference, one), one.label) for reference in references
+        ((*linear_reach(thin, reference, one, seen), one.label) for reference in references
          for one in likely), key=lambda found: found[0])
     begun: dict[str, tuple[float, Problem, Array]] = {}
     for cost, z, move, joint, label in reached:

@@ -28,6 +28,9 @@ SWEEP_ROWS = 2
 SWEEP_ROLES = ('fit', 'select', 'fit', 'test', 'fit', 'select', 'fit')
 """Rows in a segment of a sweep without time, and what one after the other is for."""
 
+USED = ('fit', 'select')
+"""The roles of all that is not locked."""
+
 
 @dataclass(frozen=True)
 class Segment:

@@ -73,11 +73,19 @@ def terms(channels: tuple[str, ...]) -> list[Term]:
             for variable in variables if location not in absent]
 
 
-def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
-    """Return the problem with the table's inner values free, over the range of the fitted rows."""
-    run = problem.experiment.simulate(reference.parameters, reference.initial)
-    values = run[term.VARIABLES[one.variable]]
-    low, high = np.quantile(values[problem.rows & np.isfinite(values)], [0.002, 0.998])
+def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
+    """
+    Return the problem with the table's inner values free, over the range in the rows `seen`.
+
+    As it was measured, where it was: a model without the term may stay within half of that. The
+    rows are to hold those between the fitted ones as well: the table is zero beyond its range, and
+    a run that leaves it comes back with a chamber that knows nothing of the term.
+    """
+    name = term.VARIABLES[one.variable]
+    values = problem.experiment.measured.get(name)
+    if values is None:
+        values = problem.experiment.simulate(reference.parameters, reference.initial)[name]
+    low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
     table = Discrepancy(one.location, one.variable, float(low - spacing), float(high + spacing))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
@@ -87,14 +95,14 @@ def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
                    problem.freedoms + values_free)
 
 
-def linear_reach(problem: Problem, reference: Fit, one: Term
+def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
                  ) -> tuple[float, Array, Array, Problem]:
     """
     Return what a term can reach by linear reckoning.
 
     The cost, z without the term, the move in z that is to be tried, and the term's problem.
     """
-    joint = with_term(problem, reference, one)
+    joint = with_term(problem, reference, one, seen)
     where = len(problem.freedoms)
     z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
     r = joint.residuals(z)
