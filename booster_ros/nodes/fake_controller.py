@@ -152,8 +152,8 @@ class FakeController(Node):
         waited = (now - self._waiting_since).nanoseconds / NANOSECONDS
         if 0.0 < self._settings.wait_timeout < waited:
             raise ParameterError(
-                f'no positioner to play to within wait_timeout ({self._settings.wait_timeout:g} s): '
-                f'{", ".join(in_the_way)}')
+                'no positioner to play to within wait_timeout '
+                f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}')
 
     def _in_the_way(self) -> list[str]:
         """Return what keeps the profile from being played."""
