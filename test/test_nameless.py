@@ -8,7 +8,7 @@ from made_diagnosis import DECLARED, record_of, timed_columns, unknown_found
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.candidate import Candidate, clearly_better
+from booster_ros.diagnosis.candidate import Candidate, clearly_better, why_dropped
 from booster_ros.diagnosis.fit import Problem, declared_freedom
 from booster_ros.diagnosis.nameless import as_good, beyond_names, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
@@ -68,6 +68,18 @@ def test_several_effects_that_leave_little_do_not_give_way():
     unnamed = scored((DRIFTING,), 1.0, 3.6, 1.0, 3.6)
     assert not preferable(unnamed, tried(named))
     assert preferable(scored((DRIFTING,), 1.0, 1.1, 1.0, 1.1), tried(named))
+
+
+def test_a_fault_of_its_own_is_why_a_model_was_dropped_before_any_comparison():
+    chosen = scored(('ep_drift',), 2.0, 2.0, 2.0, 2.0)
+    more = scored(('ep_drift', 'seat_load'), 1.9, 1.9, 1.9, 1.9)
+    assert 'does not lower the held-back error' in why_dropped(more, chosen)
+    assert why_dropped(replace(more, fault='its size is not told from none'), chosen) == (
+        'its size is not told from none')
+    assert why_dropped(scored(('seat_load',), 8.0, 8.0, 8.0, 8.0), chosen) == (
+        '4 times the squared error of the choice')
+    assert why_dropped(scored(('seat_load',), 2.0, 2.1, 2.0, 2.1), chosen) == (
+        'not told apart from the choice by this record')
 
 
 def test_where_no_name_was_found_a_term_is_the_verdict():

@@ -213,6 +213,9 @@ def test_json_holds_what_others_rely_on(made):
             assert effect['parameters'][name] == {
                 'value': interval.value, 'low': interval.low, 'high': interval.high,
                 'unit': interval.unit}
+    for one in diagnosis.refitted:
+        assert report['declared_parameters'][one.name]['after'] == one.after
+        assert report['declared_parameters'][one.name]['at_limit'] is one.at_limit
 
 
 def test_json_writes_null_for_what_is_no_number():

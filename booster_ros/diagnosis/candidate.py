@@ -127,3 +127,15 @@ def told_apart(worse: Candidate, better: Candidate) -> bool:
     """Tell whether the record prefers one model: by a standard error and a share that matters."""
     fall, error = gain(worse, better)
     return fall > TOO_SIMILAR * better.score and fall > error
+
+
+def why_dropped(candidate: Candidate, chosen: Candidate) -> str:
+    """Return why another model is not the chosen one; its own fault comes before any comparison."""
+    if candidate.fault:
+        return candidate.fault
+    if set(chosen.effects) < set(candidate.effects):
+        return 'the added effect does not lower the held-back error enough'
+    if told_apart(candidate, chosen):
+        ratio = candidate.score / max(chosen.score, 1e-12)
+        return f'{ratio:.3g} times the squared error of the choice'
+    return 'not told apart from the choice by this record'

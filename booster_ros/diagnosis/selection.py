@@ -31,7 +31,7 @@ import itertools
 import numpy as np
 
 from booster_ros.diagnosis.candidate import (
-    NEAR_NOISE, Candidate, clearly_better, preferred_first, told_apart)
+    NEAR_NOISE, Candidate, clearly_better, preferred_first, why_dropped)
 from booster_ros.diagnosis.cascade import seen_from_above, shows_above_the_stem
 from booster_ros.diagnosis.next_effect import FINALISTS, PROMISING, extend
 from booster_ros.diagnosis.rematch import rematch
@@ -108,7 +108,7 @@ def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
 
 
 def _tried(refit: Candidate, chosen: Candidate, everything: list[Candidate]) -> Tried:
-    reasons = {frozenset(c.effects): _reason(c, chosen)
+    reasons = {frozenset(c.effects): why_dropped(c, chosen)
                for c in sorted(everything, key=lambda c: c.score, reverse=True)}
     reasons[frozenset(chosen.effects)] = 'chosen'
     reasons[frozenset()] = 'the declared model, refitted'
@@ -319,14 +319,3 @@ def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> C
             everything.append(smaller)
             return _pruned(search, smaller, everything)
     return chosen
-
-
-def _reason(candidate: Candidate, chosen: Candidate) -> str:
-    if set(chosen.effects) < set(candidate.effects):
-        return 'the added effect does not lower the held-back error enough'
-    if candidate.fault:
-        return candidate.fault
-    if told_apart(candidate, chosen):
-        ratio = candidate.score / max(chosen.score, 1e-12)
-        return f'{ratio:.3g} times the squared error of the choice'
-    return 'not told apart from the choice by this record'

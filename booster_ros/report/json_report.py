@@ -35,7 +35,7 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
             for s in diagnosis.suspects],
         'declared_parameters': {
             r.name: {'given': r.given, 'before': r.before, 'after': r.after, 'spread': r.spread,
-                     'unit': r.unit} for r in diagnosis.refitted},
+                     'unit': r.unit, 'at_limit': r.at_limit} for r in diagnosis.refitted},
         'identifiability': SCALING,
         'record': _record(diagnosis.experiment, provenance),
         'segments': [
