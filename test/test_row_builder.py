@@ -59,6 +59,13 @@ def test_outputs_that_overtake_each_other_stay_with_their_samples():
     assert play(*events) == play(*samples(10, offset=0.0))
 
 
+def test_an_output_that_is_late_by_most_of_a_period_stays_with_its_sample():
+    events = samples(8)
+    late = events.index(('x', 23.0, 0.301))
+    events[late] = ('x', 23.0, 0.37)
+    assert play(*events) == play(*samples(8))
+
+
 def test_a_lost_message_leaves_a_hole_and_no_shift():
     events = samples(8)
     lost = events.pop(5)

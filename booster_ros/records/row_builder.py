@@ -17,6 +17,9 @@ from typing import NamedTuple
 OUTPUTS = ('chamber_pressure', 'valve_position')
 
 _PERIOD_WEIGHT = 0.1
+_NEAR = 0.75
+"""Share of a period within which outputs are of one sample: one is late more often than lost."""
+
 _LONGEST_WAIT = 4
 """Samples after which a message is taken for lost."""
 
@@ -72,10 +75,12 @@ class RowBuilder:
         return [self._take_row() for _ in range(len(self._samples))]
 
     def _sample_of(self, column: str, time: float) -> _Sample:
-        """Return the open sample that an output belongs to: less than half a period away."""
-        for sample in self._samples:
-            if column not in sample.outputs and abs(time - sample.time) < self._period / 2.0:
-                return sample
+        """Return the open sample that an output belongs to: the nearest that lacks it, if near."""
+        lacking = [sample for sample in self._samples if column not in sample.outputs]
+        if lacking:
+            nearest = min(lacking, key=lambda sample: abs(time - sample.time))
+            if abs(time - nearest.time) < _NEAR * self._period:
+                return nearest
         self._samples.append(_Sample(time))
         return self._samples[-1]
 
