@@ -14,7 +14,16 @@ from hidden_plant.cases import Case, write_case
 from hidden_plant.effects import EFFECTS
 import pytest
 
+from booster_ros.diagnosis.applicable import free_to_refit
+from booster_ros.diagnosis.nameless import best_terms
+from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.segments import split
+from booster_ros.diagnosis.selection import Tried
+from booster_ros.model.parameters import from_values
+from booster_ros.parameters.file import read_parameter_file
 from booster_ros.programs.close_loop import main
+from booster_ros.records import read_record
 
 minutes = pytest.mark.skipif(
     'BOOSTER_ROS_ALL_SAMPLES' not in os.environ, reason='minutes: BOOSTER_ROS_ALL_SAMPLES=1')
@@ -52,6 +61,21 @@ def test_what_has_no_name_is_unknown_in_its_place(
     assert report['effects'][0]['location'] == EFFECTS[effect].location
     assert report['unknown']['variable'] in variable.split(' or ')
     errors_fall_to_the_noise(report)
+
+
+def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
+    """Of a large leak: the refit of the declared parameters goes far to imitate it."""
+    effect = EFFECTS['leak_opens_with_travel']
+    write_case(Case('hidden', (('leak_opens_with_travel', effect.size('large')),), seed=11),
+               tmp_path)
+    declared = from_values(read_parameter_file(tmp_path / 'hidden.yaml').physical)
+    experiment = prepare(read_record(tmp_path / 'hidden_fit.csv'), declared)
+    search = Search(experiment, split(experiment.time, experiment.current), declared,
+                    free_to_refit(declared, experiment))
+    refit = search.refit()
+    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    assert best.effects[0].startswith('unknown: chamber over ')
+    assert best.misfit < 1.3
 
 
 @minutes

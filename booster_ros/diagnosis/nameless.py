@@ -24,8 +24,9 @@ FORESEEN = 0.2
 FAITHFUL = 3.0
 """The misfit that it must reach then; and where nothing drives the record, none counts."""
 
-WITHIN_REACH = 2.0
-"""Terms are tried that reach a cost up to so many times the least, by linear reckoning."""
+WITHIN_REACH = 5.0
+"""Terms are tried that reach a cost up to so many times the least, by linear reckoning: where much
+is missing that is far off."""
 
 LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
@@ -121,8 +122,9 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     """
     Return the terms worth a whole fit, in the order of unknown.terms: label, problem, first z.
 
-    Linear reckoning ranks them badly where a stem sits on its seat until it jumps; so the first
-    steps of a fit decide.
+    Linear reckoning ranks them badly where a stem sits on its seat until it jumps, or where the
+    refit of the declared parameters has gone far to imitate what is missing. So the first steps of
+    a fit decide, from where the reckoning points and from the parameters as given.
     """
     experiment, thin = search.experiment, refit.problem
     still = np.ptp(experiment.current) == 0.0 and all(
@@ -131,14 +133,15 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
               if not (foreseen and still and one.variable == term.TIME)]
     rows = np.searchsorted(experiment.time, thin.experiment.time)
     seen = rows_of(search.segments, USED, len(experiment.time))[rows]
-    references = [thin.at(refit.fit.z), thin.at(thin.start())]
-    reached = sorted(
-        ((*linear_reach(thin, reference, one, seen), one.label) for reference in references
-         for one in likely), key=lambda found: found[0])
+    reference = thin.at(refit.fit.z)
+    reached = [(*linear_reach(thin, reference, one, seen), one.label) for one in likely]
+    least = min((cost for cost, *_ in reached), default=0.0)
     begun: dict[str, tuple[float, Problem, Array]] = {}
     for cost, z, move, joint, label in reached:
-        if label not in begun and cost < WITHIN_REACH * reached[0][0]:
-            first = joint.fit(moved(joint, z, move), evaluations=FIRST_EVALUATIONS)
+        if cost < WITHIN_REACH * least:
+            first = min((joint.fit(start, evaluations=FIRST_EVALUATIONS)
+                         for start in (moved(joint, z, move), joint.start())),
+                        key=lambda fit: fit.cost)
             begun[label] = (first.cost, joint, first.z)
     furthest = sorted(begun, key=lambda label: begun[label][0])[:LIKELY_TERMS]
     return [(one.label, *begun[one.label][1:]) for one in likely if one.label in furthest]
