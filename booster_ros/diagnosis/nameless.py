@@ -8,7 +8,7 @@ from booster_ros.diagnosis.candidate import TOO_SIMILAR, Candidate, clearly_bett
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, Search, polished
-from booster_ros.diagnosis.segments import USED, rows_of
+from booster_ros.diagnosis.segments import USED
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
 from booster_ros.diagnosis.unknown import UNNAMED, linear_reach, moved, terms
 from booster_ros.model import discrepancy as term
@@ -132,8 +132,7 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
         np.ptp(drive) == 0.0 for drive in experiment.pinned.values())
     likely = [one for one in terms(experiment.channels)
               if not (foreseen and still and one.variable == term.TIME)]
-    rows = np.searchsorted(experiment.time, thin.experiment.time)
-    seen = rows_of(search.segments, USED, len(experiment.time))[rows]
+    seen, _ = search.rows_and_experiment(USED, search.thinning)
     reference = thin.at(refit.fit.z)
     reached = [(*linear_reach(thin, reference, one, seen), one.label) for one in likely]
     least = min((cost for cost, *_ in reached), default=0.0)

@@ -17,7 +17,6 @@ from rclpy.duration import Duration
 from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.time import Time
 from rclpy.utilities import try_shutdown
 from std_msgs.msg import Float64, String
 
@@ -54,7 +53,7 @@ WAITING, PLAYING, DONE = 'waiting', 'playing', 'done'
 QUEUE_DEPTH = 10
 LOOK_PERIOD = 0.05
 WATCH_PERIOD = 1.0
-SETTLING = Duration(seconds=0.5)
+SETTLING = 0.5
 """A topic just found delivers at once what had waited; the profile begins when that is over."""
 
 DELIVERY_TIMEOUT = Duration(seconds=3)
@@ -77,7 +76,7 @@ class FakeController(Node):
         self._position = math.nan
         self._last_sample = 0
         self._come: set[str] = set()
-        self._complete_since: Time | None = None
+        self._complete_since: float | None = None
 
         self._status = self.create_publisher(
             String, '~/status',
@@ -93,8 +92,8 @@ class FakeController(Node):
         self._recording = self._open_recording()
         self._enter(WAITING)
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._waiting_since = self._steady_clock.now()
-        self._silence = Silence(self._seconds())
+        self._waiting_since = self._seconds()
+        self._silence = Silence(self._waiting_since)
         self._look_out = self.create_timer(LOOK_PERIOD, self._on_look, clock=self._steady_clock)
 
     def _seconds(self) -> float:
@@ -137,20 +136,20 @@ class FakeController(Node):
 
     def _on_look(self) -> None:
         in_the_way = self._in_the_way()
-        now = self._steady_clock.now()
+        now = self._seconds()
         if not in_the_way:
-            self._complete_since = self._complete_since or now
+            if self._complete_since is None:
+                self._complete_since = now
             if self._settings.lockstep or now - self._complete_since >= SETTLING:
                 self.destroy_timer(self._look_out)
                 self._look_out = self.create_timer(
                     WATCH_PERIOD, self._on_watch, clock=self._steady_clock)
-                self._silence = Silence(self._seconds())
+                self._silence = Silence(now)
                 self._enter(PLAYING)
                 self._pace.begin(self, self._last_sample)
             return
         self._complete_since = None
-        waited = (now - self._waiting_since).nanoseconds / NANOSECONDS
-        if 0.0 < self._settings.wait_timeout < waited:
+        if 0.0 < self._settings.wait_timeout < now - self._waiting_since:
             raise ParameterError(
                 'no positioner to play to within wait_timeout '
                 f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}')
@@ -260,8 +259,9 @@ class FakeController(Node):
             logger.warning(
                 f'interrupted after {self._played:.2f} of {self.duration:g} s; partial: '
                 f'{self._recorded_to() or "nothing recorded"}')
-            if self._pace.left_behind():
-                logger.warning(self._pace.left_behind())
+            left_behind = self._pace.left_behind()
+            if left_behind:
+                logger.warning(left_behind)
         super().destroy_node()
 
 
