@@ -112,11 +112,12 @@ def test_what_had_waited_on_a_topic_is_over_before_the_profile_begins(tmp_path, 
     assert np.isfinite(list(first.values())).all()
 
 
-def test_a_recording_needs_every_output(ros_client):
+def test_a_recording_needs_every_output(tmp_path, ros_client):
     ros_client.node.create_subscription(Float64, '/half/control_current', lambda message: None, 10)
     for name in ('chamber_pressure', 'valve_position'):
         ros_client.node.create_publisher(Float64, f'/half/{name}', 10)
-    with controller('-r', '__ns:=/half', wait_timeout=3.0, record_csv='/tmp/none.csv') as node:
+    csv = tmp_path / 'none.csv'
+    with controller('-r', '__ns:=/half', wait_timeout=3.0, record_csv=csv) as node:
         assert node.wait() == 2
     assert 'no chamber_pressure has come, no valve_position has come' in node.stderr[-1]
 
@@ -149,6 +150,19 @@ def test_a_positioner_that_ends_ends_the_profile(tmp_path):
         valve.interrupt()
         assert node.wait() == 2
     assert 'the positioner has gone' in node.output
+    assert 'partial' in node.output
+    assert len(read_record(csv)) > 10
+
+
+def test_a_second_positioner_that_comes_later_ends_the_recording(tmp_path, ros_client):
+    csv = tmp_path / 'record.csv'
+    shared = ('-r', '__ns:=/shared')
+    with positioner_process.start(*shared), controller(*shared, dwell=100.0, record_csv=csv) as node:
+        node.wait_for('playing')
+        time.sleep(0.5)
+        ros_client.node.create_publisher(Float64, '/shared/valve_position', 10)
+        assert node.wait() == 2
+    assert 'several publish /shared/valve_position (' in node.output
     assert 'partial' in node.output
     assert len(read_record(csv)) > 10
 

@@ -194,10 +194,15 @@ class FakeController(Node):
         self._currents.publish(Float64(data=self._current))
 
     def _on_watch(self) -> None:
-        gone = self._feedback.missing_topics() if self._needed() else []
+        if not self._needed():
+            return
+        gone, crowded = self._feedback.missing_topics(), self._feedback.crowded_topics()
         if gone:
             raise ParameterError(
                 f'nobody publishes {" and ".join(gone)} any more: the positioner has gone')
+        if crowded:
+            raise ParameterError(
+                f'several publish {" and ".join(crowded)} now: their samples cannot be told apart')
 
     def _on_output(self, column: str, value: float, stamp: int) -> None:
         if column == 'valve_position':
