@@ -110,20 +110,24 @@ def _portions(source: Path) -> Iterator[tuple[np.ndarray, np.ndarray, dict[str, 
     """Yield time, current (an empty cell keeps the one before) and the first row's state."""
     given = tuple(name for name in INITIAL if name in csv_columns(source))
     standing = np.nan
+    first: dict[str, float] | None = None
     for chunk in iterate_csv(source, INPUT + given):
-        time, current = chunk.values[:, 0], _held(chunk.values[:, 1], standing)
-        if np.isnan(current[0]):
-            raise RecordError(
-                f'{source}, row {chunk.rows[0]}, column control_current: the first row needs one')
-        first_row = dict(zip(given, chunk.values[0, len(INPUT):].tolist(), strict=True))
-        if np.isnan(standing):  # the row that the model starts from
-            for name, value in first_row.items():
-                if np.isnan(value):
-                    raise RecordError(
-                        f'{source}, row {chunk.rows[0]}, column {name}: the first row needs one, '
-                        'or the column must go')
+        if first is None:
+            first = _first_row(source, chunk.rows[0], ('control_current', *given), chunk.values[0, 1:])
+        current = _held(chunk.values[:, 1], standing)
         standing = float(current[-1])
-        yield time, current, first_row
+        yield chunk.values[:, 0], current, {name: first[name] for name in given}
+
+
+def _first_row(source: Path, row: int, names: Sequence[str], values: np.ndarray
+               ) -> dict[str, float]:
+    """Return what the model starts from, by column; RecordError where a value is missing."""
+    for name, value in zip(names, values, strict=True):
+        if np.isnan(value):
+            optional = ', or the column must go' if name in INITIAL else ''
+            raise RecordError(
+                f'{source}, row {row}, column {name}: the first row needs one{optional}')
+    return dict(zip(names, values.tolist(), strict=True))
 
 
 def _held(current: np.ndarray, standing: float) -> np.ndarray:
