@@ -157,7 +157,8 @@ def test_a_positioner_that_ends_ends_the_profile(tmp_path):
 def test_a_second_positioner_that_comes_later_ends_the_recording(tmp_path, ros_client):
     csv = tmp_path / 'record.csv'
     shared = ('-r', '__ns:=/shared')
-    with positioner_process.start(*shared), controller(*shared, dwell=100.0, record_csv=csv) as node:
+    with positioner_process.start(*shared), \
+            controller(*shared, dwell=100.0, record_csv=csv) as node:
         node.wait_for('playing')
         time.sleep(0.5)
         ros_client.node.create_publisher(Float64, '/shared/valve_position', 10)

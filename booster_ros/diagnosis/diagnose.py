@@ -18,6 +18,7 @@ from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
+from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, polished
@@ -135,7 +136,8 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         verdict, effects, table, _errors(experiment, runs, rows), held_out, tuple(suspects),
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
-        (*notes, *doubts(held_out, 'the locked part'), *_cornered(refitted)))
+        (*notes, *doubts(held_out, 'the locked part'), *_cornered(refitted),
+         *chance(experiment, after.parameters, after.initial, 'this record')))
 
 
 def doubts(errors: dict[str, ChannelError], part: str) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import ChannelError, Diagnosis
 from booster_ros.model.booster import exhaust_area, intake_area
 from booster_ros.model.system import PositionerParameters
@@ -28,7 +29,8 @@ FULLY = 0.999
 def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
     """Return the diagnosis with the errors of its models on this experiment."""
     stages = (diagnosis.declared, diagnosis.before, diagnosis.after)
-    runs = [predicted_from_start(experiment, parameters) for parameters in stages]
+    starts = [_start(experiment, parameters) for parameters in stages]
+    runs = [experiment.predict(*one) for one in zip(stages, starts)]
     everywhere = np.ones(len(experiment.time), dtype=bool)
     errors = {}
     for name, measured in experiment.measured.items():
@@ -36,16 +38,16 @@ def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
         errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
     added = doubts(errors, 'the other record')
     return replace(diagnosis, validation=errors, notes=(
-        *diagnosis.notes, *added, *_beyond(diagnosis, experiment),
-        *_opened_further(diagnosis, experiment)))
+        *diagnosis.notes, *added, *_beyond(diagnosis, experiment, starts[-1]),
+        *_opened_further(diagnosis, experiment),
+        *chance(experiment, diagnosis.after, starts[-1], 'the other record')))
 
 
-def _beyond(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
+def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tuple[str, ...]:
     """Return a sentence where a term without a name is asked for what it has not seen."""
     unknown = diagnosis.unknown
     if unknown is None:
         return ()
-    start = _start(experiment, diagnosis.after)
     seen = experiment.simulate(diagnosis.after, start)[unknown.variable]
     share = float(np.mean((seen < unknown.seen[0]) | (seen > unknown.seen[1])))
     if share < WORTH_SAYING:
@@ -75,13 +77,6 @@ def _fully_open(experiment: Experiment, parameters: PositionerParameters) -> dic
     largest = {'intake': booster.max_area, 'exhaust': booster.max_area * booster.exhaust_area_ratio}
     return {seat: float(np.mean(np.array(areas) >= FULLY * largest[seat])) if largest[seat] else 0.0
             for seat, areas in (('intake', intake), ('exhaust', exhaust))}
-
-
-def predicted_from_start(
-    experiment: Experiment, parameters: PositionerParameters
-) -> dict[str, Array]:
-    """Return what the model reads when nothing but its start is fitted, to the first seconds."""
-    return experiment.predict(parameters, _start(experiment, parameters))
 
 
 def _start(experiment: Experiment, parameters: PositionerParameters) -> Initial:

@@ -113,7 +113,8 @@ def _portions(source: Path) -> Iterator[tuple[np.ndarray, np.ndarray, dict[str, 
     first: dict[str, float] | None = None
     for chunk in iterate_csv(source, INPUT + given):
         if first is None:
-            first = _first_row(source, chunk.rows[0], ('control_current', *given), chunk.values[0, 1:])
+            first = _first_row(
+                source, chunk.rows[0], ('control_current', *given), chunk.values[0, 1:])
         current = _held(chunk.values[:, 1], standing)
         standing = float(current[-1])
         yield chunk.values[:, 0], current, {name: first[name] for name in given}
