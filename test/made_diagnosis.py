@@ -82,8 +82,10 @@ def diagnosis_of(columns, verdict, after=DECLARED, effects=(), unknown=None):
         Suspect((), 388.0, 'the declared model, refitted'),
     )
     refitted = (
-        Refitted('ep_converter.gain', 'Pa/A', 5.4034e8, 5.41e8, 5.402e8, 1.08e7),
-        Refitted('actuator.bench_set[0]', 'Pa', 150e3, 150.4e3, 149.9e3, 600.0),
+        Refitted('ep_converter.gain', 'Pa/A', 5.4034e8, 5.41e8, 5.402e8, 1.08e7,
+                 0.061, -0.013),
+        Refitted('actuator.bench_set[0]', 'Pa', 150e3, 150.4e3, 149.9e3, 600.0,
+                 0.67, -0.17),
     )
     return Diagnosis(
         verdict, tuple(effects), unknown, errors('fit', 'select'), errors('test'), suspects,

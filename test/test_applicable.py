@@ -127,3 +127,23 @@ def test_parameters_that_are_not_turned_change_nothing(kind):
         elif any(not np.array_equal(before[c], other[c], equal_nan=True) for c in before):
             turned.add(name)
     assert turned
+
+
+def test_tolerances_are_said_in_si_and_parameters_by_how_many_they_moved():
+    """A stop is fitted as what it yields; it says of its stiffness the same as the others do."""
+    for free in declared_freedom(DECLARED, prepare(record_of(RECORDS['commanded']), DECLARED)):
+        given, little = free.value(0.0), 1e-3
+        slope = (free.value(little) - free.value(-little)) / (2.0 * little)
+        assert free.spread == pytest.approx(abs(slope), rel=1e-4)
+        assert 0.003 * abs(given) < free.spread < 0.31 * abs(given) or given == 0.0
+        for z in (free.low, -1.0, 0.5, free.high):
+            assert abs(free.away(z)) == pytest.approx(abs(z))
+            assert abs(z) < 5.1
+            assert free.away(z) * (free.value(z) - given) > 0.0
+
+
+def test_what_a_flow_bench_finds_has_no_tolerance():
+    bench = declared_freedom(DECLARED, prepare(record_of(RECORDS['bench']), DECLARED))
+    gain = next(free for free in bench if free.knob.parameter == 'booster.opening_gain')
+    assert gain.spread is None
+    assert gain.away(gain.high) == 0.0

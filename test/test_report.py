@@ -20,7 +20,7 @@ from made_diagnosis import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.result import ChannelError, Interval
+from booster_ros.diagnosis.result import ChannelError, Interval, Refitted
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
 from booster_ros.report.engineering import digits_apart, number, scale_of, si_text, side_by_side
@@ -30,7 +30,7 @@ from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
 from booster_ros.report.parameter_files import write_parameter_files
 from booster_ros.report.provenance import Provenance
-from booster_ros.report.tables import effect_table
+from booster_ros.report.tables import declared_table, effect_table
 from booster_ros.report.wording import error_scale, verdict_sentences, verdict_title
 
 FROM = Provenance('plant.csv', 'declared.yaml')
@@ -216,6 +216,17 @@ def test_json_holds_what_others_rely_on(made):
     for one in diagnosis.refitted:
         assert report['declared_parameters'][one.name]['after'] == one.after
         assert report['declared_parameters'][one.name]['at_limit'] is one.at_limit
+        assert report['declared_parameters'][one.name]['spread'] == one.spread
+
+
+def test_declared_parameters_say_how_far_they_were_moved():
+    known = Refitted('actuator.stop_stiffness', 'N/m', 5e8, 6e8, 4.5e8, 1.5e8, 0.56, -0.37)
+    free = Refitted('booster.opening_gain', 'm^2/N', 2.75e-6, 6.2e-6, 6.2e-6, None, 0.0, 0.0)
+    text = declared_table((known, free), {'before': 'refitted', 'after': 'with the effect'})
+    assert '+0.6 σ' in text
+    assert '−0.4 σ' in text
+    assert text.count('free') == 2
+    assert text.count('σ') == 2
 
 
 def test_json_writes_null_for_what_is_no_number():

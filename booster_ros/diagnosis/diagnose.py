@@ -250,11 +250,11 @@ def _at_limit(free: Free, z: float) -> bool:
 
 def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
     rows = []
-    for free, z in zip(search.freedoms, after.z):
+    for free, z_before, z in zip(search.freedoms, before.z, after.z):
         name, element = free.knob.parameter, free.element
         rows.append(Refitted(
             name if element is None else f'{name}[{element}]', DESCRIPTIONS[name].unit,
             get(search.declared, name, element), get(before.parameters, name, element),
-            get(after.parameters, name, element), free.scale,
-            _at_limit(free, z)))
+            get(after.parameters, name, element), free.spread,
+            free.away(z_before), free.away(z), _at_limit(free, z)))
     return tuple(rows)

@@ -87,6 +87,19 @@ class Free:
         return (self.knob.to_fit(value) - self.centre) / self.scale
 
     @property
+    def spread(self) -> float | None:
+        """Standard deviation of the prior in SI, to first order; None where there is none."""
+        if not np.isfinite(self.sigma):
+            return None
+        power = self.knob.inverse
+        slope = self.value(0.0)**(power + 1) / power if power else 1.0
+        return self.sigma * self.scale * slope
+
+    def away(self, z: float) -> float:
+        """Return how many standard deviations of the prior z is from its centre, + for more."""
+        return (-z if self.knob.inverse else z) / self.sigma
+
+    @property
     def without_size(self) -> float:
         """Where z stands while the effect has no size: neutral, but a shape is typical."""
         if self.knob.shape:

@@ -51,7 +51,8 @@ def chance(experiment: Experiment, parameters: PositionerParameters, initial: In
     figures = ' and '.join(f'{share:.2g} in {name}' for name, share in shares.items())
     return (f'when the stem slips is partly chance: on {part} two runs of the model whose drive '
             f'differs by a millionth of its range differ by (multiples of the noise) {figures}, '
-            'and with the right parameters it would miss the valve by as much',)
+            'and with the right parameters it would miss the valve by as much; the intervals '
+            'of the friction do not count that in',)
 
 
 def _disturbed(experiment: Experiment, rng: np.random.Generator) -> Experiment:

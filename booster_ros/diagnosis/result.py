@@ -77,7 +77,10 @@ class Refitted:
     """
     A declared parameter: as given, refitted without and with the effect.
 
-    `at_limit` says that the last one ended at the end of what a refit allows.
+    `spread` is the tolerance within which it was expected, None where nothing was known;
+    `away_before` and `away_after` say by how many of them the refits moved it (of a stop, by how
+    many in what it yields). `at_limit` says that the last one ended at the end of what a refit
+    allows.
     """
 
     name: str
@@ -85,7 +88,9 @@ class Refitted:
     given: float
     before: float
     after: float
-    spread: float
+    spread: float | None
+    away_before: float
+    away_after: float
     at_limit: bool = False
 
 

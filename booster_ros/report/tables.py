@@ -107,8 +107,8 @@ def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) ->
         scale = scale_of(one.unit)
         cells = [_parameter_cell(one.name), _both_units(scale, one.given, one.unit, 4)]
         for stage in stages:
-            value = getattr(one, stage)
-            away = round((value - one.given) / one.spread, 1) + 0.0  # no minus zero
-            cells.append(number_cell(scale.text(value, 4), f'{away:+.1f} σ'.replace('-', '−')))
+            away = round(getattr(one, f'away_{stage}'), 1) + 0.0  # no minus zero
+            small = 'free' if one.spread is None else f'{away:+.1f} σ'.replace('-', '−')
+            cells.append(number_cell(scale.text(getattr(one, stage), 4), small))
         rows.append(row(cells))
     return table(['declared parameter', 'as given', *stages.values()], rows)
