@@ -17,7 +17,8 @@ from booster_ros.diagnosis.nameless import best_terms
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.result import ChannelError
-from booster_ros.diagnosis.screening import strong_frequencies, with_effect
+from booster_ros.diagnosis.screening import (
+    references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import split
 from booster_ros.diagnosis.selection import compared, named
@@ -109,6 +110,25 @@ def test_the_line_of_a_rippling_supply_stands_out_of_noise():
     experiment = seen(plant)
     problem = Problem(experiment, everywhere(experiment), P, ())
     assert np.min(np.abs(strong_frequencies(problem, problem.start()) - 0.7)) < 0.05
+
+
+@pytest.mark.parametrize('bins', [21.0, 21.4, 21.5])
+def test_a_ripple_far_below_the_typical_size_is_screened_as_what_it_is(bins):
+    """Its frequency lies where it will between those that the record's length resolves."""
+    frequency, ripple = bins / TIME[-1], 250.0
+    plant = P._replace(supply=P.supply._replace(ripple=ripple, ripple_frequency=frequency))
+    experiment = seen(plant)
+    problem = Problem(experiment, everywhere(experiment), P, ())
+    found = strong_frequencies(problem, problem.start())
+    assert np.min(np.abs(found - frequency)) < 0.2 / TIME[-1]
+    around = references(problem, problem.at(problem.start()))
+    quick = screen(problem, around, 'supply_ripple', found)
+    without = float(np.sum(problem.residuals(problem.start())**2))
+    noise = problem.rows_counted()
+    assert quick.cost - noise < 0.15 * (without - noise)
+    sizes = dict(zip((f.knob.parameter for f in quick.problem.freedoms), quick.starts[0]))
+    free = {f.knob.parameter: f for f in quick.problem.freedoms}
+    assert free['supply.ripple'].value(sizes['supply.ripple']) == pytest.approx(ripple, rel=0.1)
 
 
 def test_above_the_stem_friction_does_not_matter_but_a_leak_shows():

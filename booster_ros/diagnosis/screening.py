@@ -130,6 +130,10 @@ def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
 ABOVE_NOISE = 15.0
 """A line stands out if its power is so many times the median power: of noise, 1 in 30000 does."""
 
+PADDING = 8
+"""Frequencies are told to so many parts of what the record's length resolves: half of that off, an
+oscillation ends as far out of step as can be, and a fit stops at the wrong one."""
+
 
 def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
     """Return the strongest frequencies, Hz, in the fitted residual of the first channel."""
@@ -141,7 +145,8 @@ def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
     residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
     residual = np.nan_to_num(residual)
     frequency, power = periodogram(
-        residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear')
+        residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear',
+        nfft=PADDING * len(residual))
     # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
     lines = np.maximum(power - ABOVE_NOISE * float(np.median(power)), 0.0)
     lines[(frequency < 0.02) | (frequency > 15.0)] = 0.0
@@ -152,7 +157,7 @@ def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
         for _ in range(count // 2):
             k = int(np.argmax(ranking))
             found.append(float(frequency[k]))
-            ranking[max(k - 3, 0):k + 4] = 0.0
+            ranking[max(k - 3 * PADDING, 0):k + 3 * PADDING + 1] = 0.0
     return np.array(sorted(set(found) - {0.0}) or [0.5])
 
 
@@ -225,11 +230,11 @@ def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
 
 def _along(problem: Problem, joint: Problem, reference: Reference, e: Array
            ) -> tuple[float, Array]:
-    """Return the least cost on the way from neutral to e and beyond it, and z there."""
+    """Return the least cost on the way from no size, in the shape of e, to e and beyond it; z."""
     free = joint.freedoms[len(problem.freedoms):]
     low = np.array([f.low for f in free])
     high = np.array([f.high for f in free])
-    neutral = _no_size(free)
+    neutral = np.where([f.knob.shape for f in free], e, _no_size(free))
     left, z = _reach(problem, joint, reference, e)
     cost = float(left @ left)
     change = left - reference.left
