@@ -78,7 +78,7 @@ def test_a_converter_that_starts_at_the_edge_of_its_play_is_found_there():
 def test_a_start_without_play_or_warmth_costs_no_simulation_and_stays_free_of_data():
     experiment = seen(P)
     problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P, experiment)))
-    places = problem.jacobian(problem.start())[:, -3:]
+    places = problem.at(problem.start()).jacobian[:, -3:]
     assert np.count_nonzero(places) == 3
     assert np.abs(places[-3:]) == pytest.approx(np.diag(1.0 / START[-3:]))
 

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 import os
 
 import numpy as np
-from scipy.optimize import least_squares
 
+from booster_ros.diagnosis.descent import SEARCHING, descend
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import Effect, Knob
@@ -36,8 +36,6 @@ change) later ones go. Larger ones bend, smaller ones drown in the solver's own 
 """
 
 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
-
-_SHIFT = 5.0
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0])
 """Spread of the start around the experiment's: pressure in 100 Pa, back pressure in 500 Pa, places
@@ -275,13 +273,13 @@ class Problem:
         start = z[len(self.freedoms):] / START if self.nuisances else []
         return np.concatenate([*parts, priors, start])
 
-    def jacobian(self, z: Array, before: Array | None = None) -> Array:
+    def jacobian(self, z: Array, here: Array, before: Array | None = None) -> Array:
         """
         Return d(residuals)/dz by one-sided differences, columns side by side.
 
-        `before` is an earlier one, which tells how far to go in each variable.
+        `here` are the residuals at z; `before` is an earlier one, which tells how far to go in each
+        variable.
         """
-        here = self.residuals(z)
         steps = np.full(len(z), DIFFERENCE)
         if before is not None:
             length = np.maximum(np.linalg.norm(before, axis=0), 1e-9)
@@ -342,27 +340,24 @@ class Problem:
     def at(self, z: Array) -> Fit:
         """Return z as a fit, with its Jacobian there."""
         p = self.parameters(z)
-        return Fit(self.freedoms, z, p, self.initial(z, p), 0.0, self.jacobian(z))
+        return Fit(self.freedoms, z, p, self.initial(z, p), 0.0,
+                   self.jacobian(z, self.residuals(z)))
 
-    def fit(self, z: Array | None = None, evaluations: int = 20) -> Fit:
+    def fit(self, z: Array | None = None, evaluations: int = 20, converged: float = SEARCHING
+            ) -> Fit:
         """Return the best fit from z on (default: from the given parameters)."""
+        return self._fitted(self.start() if z is None else z, evaluations, converged)
+
+    def carried_on(self, fit: Fit, evaluations: int, converged: float = SEARCHING) -> Fit:
+        """Return a fit of this problem carried on."""
+        return self._fitted(fit.z, evaluations, converged, fit.jacobian)
+
+    def _fitted(self, begin: Array, evaluations: int, converged: float, known: Array | None = None
+                ) -> Fit:
         low, high = self.bounds()
-        begin = self.start() if z is None else z
         margin = 1e-6 * np.minimum(high - low, 1.0)
         begin = np.clip(begin, low + margin, high - margin)
-        latest: list[Array] = []
-
-        def jacobian(v: Array) -> Array:
-            latest[:] = [self.jacobian(v - _SHIFT, *latest)]
-            return latest[0]
-
-        # the first trust region is as large as the start vector: shift it, so that a start near
-        # zero is not taken for a wish to move in small steps
-        found = least_squares(
-            lambda v: self.residuals(v - _SHIFT), begin + _SHIFT, jacobian,
-            bounds=(low + _SHIFT, high + _SHIFT),
-            max_nfev=evaluations, ftol=1e-4, xtol=1e-4, method='trf')
-        z = found.x - _SHIFT
-        p = self.parameters(z)
-        return Fit(self.freedoms, z, p, self.initial(z, p), 2.0 * found.cost,
-                   found.jac)
+        found = descend(
+            self.residuals, self.jacobian, begin, low, high, evaluations, known, converged)
+        p = self.parameters(found.z)
+        return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)

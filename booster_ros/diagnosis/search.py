@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import Candidate
+from booster_ros.diagnosis.descent import SEARCHING
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import BENCH, Fit, Free, Problem
 from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
@@ -29,9 +30,9 @@ FAR_BEHIND = 10.0
 """A model that costs so much more than another one is no rival of it: no more fitting."""
 
 POLISHINGS = 4
-WORTH_POLISHING = 0.01
-"""A fit is given as many steps again, so many times at the most, while that lowers its cost by this
-share."""
+WORTH_POLISHING = 10.0
+"""A fit is given as many steps again, so many times at the most, while all of them lower its cost
+by so many times what a single one has to."""
 
 THINNING = 8
 """Fits use every eighth row, and all rows where the drive jumps."""
@@ -171,13 +172,13 @@ def as_given(problem: Problem, z: Array) -> Array:
     return fresh
 
 
-def polished(problem: Problem, fit: Fit) -> Fit:
+def polished(problem: Problem, fit: Fit, converged: float = SEARCHING) -> Fit:
     """Return the fit carried on until that no longer pays; where the stem sticks, once."""
     rounds = 1 if has_dry_friction(fit.parameters.actuator) else POLISHINGS
     for _ in range(rounds):
-        better = problem.fit(fit.z, evaluations=EVALUATIONS)
+        better = problem.carried_on(fit, EVALUATIONS, converged)
         fell = fit.cost - better.cost
         fit = min(fit, better, key=lambda f: f.cost)
-        if fell < WORTH_POLISHING * fit.cost:
+        if fell < WORTH_POLISHING * converged * fit.cost:
             break
     return fit

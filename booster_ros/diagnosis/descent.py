@@ -1,0 +1,117 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Least squares where a Jacobian costs a simulation per variable.
+
+scipy's trust region reflective method, with a Jacobian that is formed anew as rarely as can be:
+
+1. formed by differences where the descent begins, unless one is known from there;
+2. after a step that it foresaw well, corrected by what the step showed: the smallest change that
+   agrees with it (Broyden's update); after another one, formed anew;
+3. formed anew where the descent ends with a corrected one, and gone on from there: an end is an end
+   if the slopes of that very place say so.
+
+C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Mathematics of
+Computation 19 (1965) 577-593.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+Array = np.ndarray
+Residuals = Callable[[Array], Array]
+Differences = Callable[[Array, Array, Array | None], Array]
+
+FORESEEN = 0.3
+"""A step was foreseen if it moved the residuals by what the Jacobian says but for this share."""
+
+SEARCHING, FINAL = 1e-3, 1e-4
+"""Relative change of the cost at which a descent ends: models differ by per cents, and parameters
+are told to their last digits once. The second also of the variables."""
+
+
+@dataclass(frozen=True)
+class Descent:
+    """Variables, cost (sum of squares) and Jacobian."""
+
+    z: Array
+    cost: float
+    jacobian: Array
+
+
+NO_STEP = 1e-9
+"""Shorter ones are rounding, and say nothing of slopes."""
+
+_SHIFT = 5.0
+"""The first trust region is as large as the variables: shifted, so that a start near zero is not
+taken for a wish to move in small steps."""
+
+
+class _Slopes:
+    """Residuals where they were last asked for, and the Jacobian, which follows the steps."""
+
+    def __init__(self, residuals: Residuals, differences: Differences, known: Array | None):
+        self._residuals, self._differences = residuals, differences
+        self._jacobian = known
+        self._here: tuple[Array, Array] | None = None
+        self._asked: tuple[Array, Array] | None = None
+        self.corrected = known is not None
+
+    def residuals(self, v: Array) -> Array:
+        for place in (self._asked, self._here):
+            if place is not None and np.array_equal(place[0], v):
+                return place[1]
+        self._asked = v.copy(), self._residuals(v)
+        return self._asked[1]
+
+    def jacobian(self, v: Array) -> Array:
+        r = self.residuals(v)
+        jacobian = self._jacobian
+        if jacobian is None:
+            jacobian = self._formed(v, r)
+        elif self._here is not None and np.linalg.norm(v - self._here[0]) > NO_STEP:
+            step, change = v - self._here[0], r - self._here[1]
+            missed = change - jacobian @ step
+            if np.linalg.norm(missed) < FORESEEN * np.linalg.norm(change):
+                jacobian = jacobian + np.outer(missed, step / (step @ step))
+                self.corrected = True
+            else:
+                jacobian = self._formed(v, r)
+        self._here, self._jacobian = (v.copy(), r), jacobian
+        return jacobian
+
+    def renew(self, v: Array) -> None:
+        """Form the Jacobian anew at a place where the residuals were asked for."""
+        self._jacobian = self._formed(v, self.residuals(v))
+
+    def _formed(self, v: Array, r: Array) -> Array:
+        self.corrected = False
+        return self._differences(v, r, self._jacobian)
+
+
+def descend(residuals: Residuals, differences: Differences, begin: Array, low: Array, high: Array,
+            evaluations: int, known: Array | None = None, converged: float = SEARCHING) -> Descent:
+    """
+    Return where the sum of squared residuals is least between `low` and `high`, seen from `begin`.
+
+    `differences` forms a Jacobian from a place, the residuals there, and an earlier Jacobian or
+    None; `known` is one of the place of `begin`; `evaluations` are the most beside those that form
+    Jacobians. Variables are of order one.
+    """
+    slopes = _Slopes(lambda v: residuals(v - _SHIFT),
+                     lambda v, r, before: differences(v - _SHIFT, r, before), known)
+    v, cost = begin + _SHIFT, np.inf
+    while True:
+        found = least_squares(
+            slopes.residuals, v, slopes.jacobian, bounds=(low + _SHIFT, high + _SHIFT),
+            max_nfev=evaluations, ftol=converged, xtol=FINAL, method='trf')
+        v = found.x
+        evaluations -= found.nfev - 1
+        ended = not slopes.corrected or cost - found.cost < converged * cost
+        if ended or evaluations < 2:
+            return Descent(v - _SHIFT, 2.0 * found.cost, found.jac)
+        cost = found.cost
+        slopes.renew(v)
