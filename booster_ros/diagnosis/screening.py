@@ -10,7 +10,8 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
 2. let the reference variables react linearly: z ← z - J⁺ r, priors included; what remains is the
    cost this size can reach;
-3. what remains runs nearly straight from size 0 to e: try the size at which it is least;
+3. what remains runs nearly straight from size 0 to e: of the two that promise most try the size at
+   which it is least;
 4. that reckoning fails where the variables react by much. So a few Gauss-Newton steps follow from
    the best size, with J kept as it is and only the effect's own columns simulated anew (chord
    steps): what they reach is no promise but a cost that was simulated. Not where the stem sticks:
@@ -20,7 +21,7 @@ Where they end, around each reference, is where a joint fit begins; also where t
 did not keep what linear reckoning promised there.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import itertools
 
 import numpy as np
@@ -38,6 +39,12 @@ SIZES = (0.25, 1.0, 3.0)
 CHORD_STEPS = 4
 CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
 """Steps with the reference's Jacobian, and the parts of each that are tried."""
+
+LENGTHS = 2
+"""Trials that are simulated at the size at which what they leave should be least."""
+
+SHORTEST, LONGEST = 1e-3, 2.0
+"""That size, as a multiple of what was tried."""
 
 UNKEPT = 1.5
 """Where they end this much above what linear reckoning promised, a fit begins there as well."""
@@ -171,6 +178,16 @@ class Reference:
     left: Array
 
 
+@dataclass(frozen=True)
+class _Trial:
+    """Variables with a size tried, their cost, and the size on that way that promises the least."""
+
+    z: Array
+    cost: float
+    length: Array
+    promised: float
+
+
 def reference_at(problem: Problem, fit: Fit) -> Reference:
     solver = np.linalg.pinv(fit.jacobian, rcond=1e-8)
     r = problem.residuals(fit.z)
@@ -201,10 +218,12 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
     costs: list[float] = []
     for reference in around:
         best, lowest = None, float('inf')
-        for trial in _sizes_to_try(free, frequencies, few):
-            cost, z = _along(problem, joint, reference, trial)
-            if cost < lowest:
-                best, lowest = z, cost
+        trials = [_tried(problem, joint, reference, e)
+                  for e in _sizes_to_try(free, frequencies, few)]
+        further = sorted(trials, key=lambda trial: trial.promised)[:LENGTHS]
+        for trial in (*trials, *(_lengthened(problem, joint, reference, t) for t in further)):
+            if trial.cost < lowest:
+                best, lowest = trial.z, trial.cost
         if best is not None:
             found = [(lowest, np.clip(best, low, high))]
             if not few and not has_dry_friction(joint.parameters(found[0][1]).actuator):
@@ -228,22 +247,23 @@ def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
     return r + reference.jacobian @ step, _with_sizes(problem, reference.z + step, e)
 
 
-def _along(problem: Problem, joint: Problem, reference: Reference, e: Array
-           ) -> tuple[float, Array]:
-    """Return the least cost on the way from no size, in the shape of e, to e and beyond it; z."""
+def _tried(problem: Problem, joint: Problem, reference: Reference, e: Array) -> _Trial:
+    """Return what sizes e reach, and what sizes on the way from none to e and beyond promise."""
     free = joint.freedoms[len(problem.freedoms):]
-    low = np.array([f.low for f in free])
-    high = np.array([f.high for f in free])
-    neutral = np.where([f.knob.shape for f in free], e, _no_size(free))
     left, z = _reach(problem, joint, reference, e)
-    cost = float(left @ left)
     change = left - reference.left
     share = -float(reference.left @ change) / max(float(change @ change), 1e-300)
-    better = np.clip(neutral + min(max(share, 1e-3), 2.0) * (e - neutral), low, high)
-    left, moved = _reach(problem, joint, reference, better)
-    if left @ left < cost:
-        return float(left @ left), moved
-    return cost, z
+    share = min(max(share, SHORTEST), LONGEST)
+    neutral = np.where([f.knob.shape for f in free], e, _no_size(free))
+    length = np.clip(neutral + share * (e - neutral), [f.low for f in free], [f.high for f in free])
+    promised = reference.left + share * change
+    return _Trial(z, float(left @ left), length, float(promised @ promised))
+
+
+def _lengthened(problem: Problem, joint: Problem, reference: Reference, trial: _Trial) -> _Trial:
+    """Return the trial at the size that promised most."""
+    left, z = _reach(problem, joint, reference, trial.length)
+    return replace(trial, z=z, cost=float(left @ left))
 
 
 def _chord(problem: Problem, joint: Problem, reference: Reference, z: Array
