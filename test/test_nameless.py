@@ -8,10 +8,15 @@ from made_diagnosis import DECLARED, record_of, timed_columns, unknown_found
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.applicable import free_to_refit
 from booster_ros.diagnosis.candidate import Candidate, clearly_better, why_dropped
+from booster_ros.diagnosis.experiment import rmse
 from booster_ros.diagnosis.fit import Problem, declared_freedom
-from booster_ros.diagnosis.nameless import as_good, beyond_names, compete, preferable
+from booster_ros.diagnosis.nameless import (
+    as_good, beyond_names, compete, over_time, preferable, term_alone)
 from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.segments import USED, rows_of, split
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.model import discrepancy as term
@@ -134,6 +139,35 @@ def test_a_table_covers_what_was_measured_and_not_where_a_model_without_it_stays
     spacing = (table.high - table.low) / (term.KNOTS - 1)
     assert table.low + spacing == pytest.approx(measured.min(), abs=0.5 * spacing)
     assert table.high - spacing == pytest.approx(measured.max(), abs=0.5 * spacing)
+
+
+def test_a_term_over_time_leaves_the_rest_of_the_model_as_it_is_at_any_other_time():
+    """Fitted together, the gain of the E/P converter would follow what the supply did once."""
+    swell = np.r_[np.zeros(2), 6e3 * np.sin(np.linspace(0.0, np.pi, 6)), np.zeros(4)]
+    plant = DECLARED._replace(discrepancy=term.Discrepancy(
+        term.SUPPLY, term.TIME, 0.0, 60.0, tuple(swell)))
+    experiment = prepare(record_of(timed_columns(plant)), DECLARED)
+    search = Search(experiment, split(experiment.time, experiment.current), DECLARED,
+                    free_to_refit(DECLARED, experiment))
+    refit = search.refit()
+    thin = refit.problem
+    in_supply = next(one for one in terms(experiment.channels) if one.label == 'supply over time')
+    seen, _ = search.rows_and_experiment(USED, search.thinning)
+    joint = with_term(thin, thin.at(refit.fit.z), in_supply, seen)
+    candidate = search.rate((UNNAMED + in_supply.label,), joint, joint.fit(evaluations=8))
+    assert over_time(candidate)
+    assert not over_time(refit)
+    gain = DECLARED.ep_converter.gain
+    assert abs(candidate.fit.parameters.ep_converter.gain / gain - 1.0) > 1e-4
+    _, fit = term_alone(search, candidate, refit.fit)
+    table = fit.parameters.discrepancy
+    assert fit.parameters == refit.fit.parameters._replace(discrepancy=table)
+    assert (table.location, table.variable) == (term.SUPPLY, term.TIME)
+    used = rows_of(search.segments, USED, len(experiment.time))
+    left = [rmse(experiment.measured['chamber_pressure'],
+                 experiment.predict(one.parameters, one.initial)['chamber_pressure'], used)
+            for one in (refit.fit, fit)]
+    assert left[1] < 0.5 * left[0]
 
 
 def test_terms_that_do_as_well_are_said():

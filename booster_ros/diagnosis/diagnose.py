@@ -14,10 +14,12 @@ import numpy as np
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, gain, told_apart
 from booster_ros.diagnosis.cascade import as_seen_above
+from booster_ros.diagnosis.descent import FINAL
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
-from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
+from booster_ros.diagnosis.nameless import (
+    best_terms, beyond_names, compete, over_time, preferable, term_alone)
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
@@ -103,7 +105,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         verdict, best = 'effect', tried.chosen
     if unnamed and preferable(unnamed[0], tried):
         verdict, best = 'unknown', unnamed[0]
-    problem, after = _final(search, best)
+    problem, after = term_alone(search, best, before) if over_time(best) else _final(search, best)
     effects: tuple[FoundEffect, ...] = ()
     table = None
     if verdict == 'effect':
@@ -166,15 +168,15 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
     shape, and one over the stem's velocity can swing on the way from nothing: minutes a fit.
     """
     problem = search.on(candidate.problem, USED, 1)
-    fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+    fit = problem.fit(candidate.fit.z, EVALUATIONS, FINAL)
     dry = has_dry_friction(fit.parameters.actuator)
     if not dry:
-        fit = polished(problem, fit)
+        fit = polished(problem, fit, FINAL)
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
     if enough or not candidate.effects or candidate.effects[0].startswith(UNNAMED):
         return problem, problem.without_unseen(fit)
     other = as_seen_above(search, candidate, fit.z, USED) if dry else as_given(problem, fit.z)
-    again = problem.fit(other, evaluations=EVALUATIONS)
+    again = problem.fit(other, EVALUATIONS, FINAL)
     return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
 
 
@@ -250,8 +252,9 @@ def _at_limit(free: Free, z: float) -> bool:
 
 def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
     rows = []
-    for free, z_before, z in zip(search.freedoms, before.z, after.z):
+    for free in search.freedoms:
         name, element = free.knob.parameter, free.element
+        z_before, z = (free.variable(get(fit.parameters, name, element)) for fit in (before, after))
         rows.append(Refitted(
             name if element is None else f'{name}[{element}]', DESCRIPTIONS[name].unit,
             get(search.declared, name, element), get(before.parameters, name, element),

@@ -1,11 +1,14 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""When terms without a name compete with the named effects, and which of them is best."""
+"""When terms without a name compete with the named effects, which is best, and its last fit."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from booster_ros.diagnosis.candidate import TOO_SIMILAR, Candidate, clearly_better, told_apart
-from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.descent import FINAL
+from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, Search, polished
 from booster_ros.diagnosis.segments import USED
@@ -58,14 +61,14 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
         candidates.append(search.rate((UNNAMED + label,), joint, fit))
     if foreseen:
         candidates = [one for one in candidates
-                      if not _over_time(one) or one.misfit < FAITHFUL]
+                      if not over_time(one) or one.misfit < FAITHFUL]
     if not candidates:
         return []
     best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
         return as_good(candidates, best)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
-    together = [one for one in together if not _over_time(one)
+    together = [one for one in together if not over_time(one)
                 or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
     least = min((one.fit.cost for one in together), default=0.0)
     return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
@@ -90,7 +93,7 @@ def as_good(candidates: list[Candidate], best: Candidate) -> list[Candidate]:
     over a state that does as well.
     """
     equal = [one for one in candidates if one.score < (1.0 + TOO_SIMILAR) * best.score]
-    equal.sort(key=_over_time)
+    equal.sort(key=over_time)
     others = [one for one in candidates if one not in equal and not told_apart(one, best)]
     return equal + sorted(others, key=lambda c: c.score)
 
@@ -115,8 +118,24 @@ def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
         unnamed[0].misfit < BEYOND * tried.held_out.misfit)
 
 
-def _over_time(unnamed: Candidate) -> bool:
-    return unnamed.effects[0].endswith(f' over {term.VARIABLES[term.TIME]}')
+def over_time(candidate: Candidate) -> bool:
+    """Tell whether what was added last is a term without a name that follows the time alone."""
+    return any(one.endswith(f' over {term.VARIABLES[term.TIME]}') for one in candidate.effects)
+
+
+def term_alone(search: Search, candidate: Candidate, before: Fit) -> tuple[Problem, Fit]:
+    """
+    Return a term over time fitted with all else as the refit left it.
+
+    It says what was, not what comes: at any other time the model is what is left without it. Joint
+    with the term the declared parameters go to where they are right only as long as it lasts.
+    """
+    joint = search.on(candidate.problem, USED, 1)
+    declared = len(search.freedoms)
+    base = before.parameters._replace(discrepancy=joint.base.discrepancy)
+    problem = replace(joint, base=base, freedoms=joint.freedoms[declared:])
+    z = np.concatenate([np.zeros(len(problem.freedoms)), before.z[declared:]])
+    return problem, polished(problem, problem.fit(z, EVALUATIONS, FINAL), FINAL)
 
 
 def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:
