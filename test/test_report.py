@@ -171,6 +171,9 @@ def test_an_unnamed_term_over_time_is_not_to_be_varied():
     page = Page(html_page(replace(diagnosis, unknown=term), FROM))
     assert 'record the same currents again' in page.text
     assert 'vary the time' not in page.text
+    elsewhere = 'and the model is the declared one, refitted'
+    assert elsewhere in page.text
+    assert elsewhere not in Page(html_page(diagnosis, FROM)).text
 
 
 def test_a_page_is_the_same_when_made_again():

@@ -123,11 +123,12 @@ def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
 def _sentence_on_unknown(unknown: UnknownTerm) -> str:
     variable, size = scale_of(unknown.variable_unit), scale_of(unknown.unit)
     largest = max((float(v) for v in unknown.values), key=abs)
+    elsewhere = ', and the model is the declared one, refitted' if unknown.variable == 'time' else ''
     return (
         f'It depends on the {channel_label(unknown.variable)}, was seen from '
         f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
         f'and reaches {size.text(largest)}. It is in the model as a table that fades to zero '
-        'outside that range.'
+        f'outside that range{elsewhere}.'
     )
 
 
