@@ -47,7 +47,7 @@ def test_it_ends_at_the_least_with_fewer_jacobians_than_steps():
     assert found.z == pytest.approx(best.x, abs=1e-3)
     assert found.cost == pytest.approx(2.0 * best.cost, rel=1e-3)
     assert found.jacobian == pytest.approx(best.jac, rel=0.05, abs=0.05 * np.abs(best.jac).max())
-    assert len(counted.formed) <= 3 < len(counted.places)
+    assert 2 <= len(counted.formed) <= 3 < len(counted.places)
     assert len(np.unique(np.round(counted.places, 12), axis=0)) == len(counted.places)
 
 
@@ -63,26 +63,6 @@ def test_what_bends_is_formed_anew_and_not_corrected():
     assert len(counted.formed) > 5
     assert counted.formed[0][1] is None
     assert all(before is not None for _, before in counted.formed[1:])
-
-
-def test_a_known_jacobian_that_points_nowhere_is_no_end():
-    counted = Counted(decay)
-    begin = np.array([1.0, 1.0, 0.0])
-    found = descend(counted.residuals, counted.differences, begin, -WIDE, WIDE, 30,
-                    np.zeros((len(TIME), 3)))
-    assert counted.formed
-    assert found.cost == pytest.approx(2.0 * least(decay, begin).cost, rel=1e-3)
-    assert found.z == pytest.approx(TRUE, abs=0.02)
-
-
-def test_a_known_jacobian_saves_the_first():
-    begin = np.array([1.3, 0.8, 0.2])
-    known = Counted(decay).differences(begin, decay(begin), None)
-    fresh, given = Counted(decay), Counted(decay)
-    first = descend(fresh.residuals, fresh.differences, begin, -WIDE, WIDE, 30)
-    second = descend(given.residuals, given.differences, begin, -WIDE, WIDE, 30, known)
-    assert second.cost == pytest.approx(first.cost, rel=1e-3)
-    assert len(given.formed) == len(fresh.formed) - 1
 
 
 def test_bounds_and_the_number_of_evaluations_are_kept():

@@ -5,7 +5,7 @@ Least squares where a Jacobian costs a simulation per variable.
 
 scipy's trust region reflective method, with a Jacobian that is formed anew as rarely as can be:
 
-1. formed by differences where the descent begins, unless one is known from there;
+1. formed by differences where the descent begins;
 2. after a step that it foresaw well, corrected by what the step showed: the smallest change that
    agrees with it (Broyden's update); after another one, formed anew;
 3. formed anew where the descent ends with a corrected one, and gone on from there: an end is an end
@@ -25,12 +25,11 @@ Array = np.ndarray
 Residuals = Callable[[Array], Array]
 Differences = Callable[[Array, Array, Array | None], Array]
 
-FORESEEN = 0.3
+FORESEEN = 0.1
 """A step was foreseen if it moved the residuals by what the Jacobian says but for this share."""
 
-SEARCHING, FINAL = 1e-3, 1e-4
-"""Relative change of the cost at which a descent ends: models differ by per cents, and parameters
-are told to their last digits once. The second also of the variables."""
+CONVERGED = 1e-4
+"""Relative change of the cost, and of the variables, at which a descent ends."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +52,12 @@ taken for a wish to move in small steps."""
 class _Slopes:
     """Residuals where they were last asked for, and the Jacobian, which follows the steps."""
 
-    def __init__(self, residuals: Residuals, differences: Differences, known: Array | None):
+    def __init__(self, residuals: Residuals, differences: Differences):
         self._residuals, self._differences = residuals, differences
-        self._jacobian = known
+        self._jacobian: Array | None = None
         self._here: tuple[Array, Array] | None = None
         self._asked: tuple[Array, Array] | None = None
-        self.corrected = known is not None
+        self.corrected = False
 
     def residuals(self, v: Array) -> Array:
         for place in (self._asked, self._here):
@@ -93,24 +92,23 @@ class _Slopes:
 
 
 def descend(residuals: Residuals, differences: Differences, begin: Array, low: Array, high: Array,
-            evaluations: int, known: Array | None = None, converged: float = SEARCHING) -> Descent:
+            evaluations: int) -> Descent:
     """
     Return where the sum of squared residuals is least between `low` and `high`, seen from `begin`.
 
     `differences` forms a Jacobian from a place, the residuals there, and an earlier Jacobian or
-    None; `known` is one of the place of `begin`; `evaluations` are the most beside those that form
-    Jacobians. Variables are of order one.
+    None; `evaluations` are the most beside those that form Jacobians. Variables are of order one.
     """
     slopes = _Slopes(lambda v: residuals(v - _SHIFT),
-                     lambda v, r, before: differences(v - _SHIFT, r, before), known)
+                     lambda v, r, before: differences(v - _SHIFT, r, before))
     v, cost = begin + _SHIFT, np.inf
     while True:
         found = least_squares(
             slopes.residuals, v, slopes.jacobian, bounds=(low + _SHIFT, high + _SHIFT),
-            max_nfev=evaluations, ftol=converged, xtol=FINAL, method='trf')
+            max_nfev=evaluations, ftol=CONVERGED, xtol=CONVERGED, method='trf')
         v = found.x
         evaluations -= found.nfev - 1
-        ended = not slopes.corrected or cost - found.cost < converged * cost
+        ended = not slopes.corrected or cost - found.cost < CONVERGED * cost
         if ended or evaluations < 2:
             return Descent(v - _SHIFT, 2.0 * found.cost, found.jac)
         cost = found.cost

@@ -14,7 +14,6 @@ import numpy as np
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, gain, told_apart
 from booster_ros.diagnosis.cascade import as_seen_above
-from booster_ros.diagnosis.descent import FINAL
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit, Free, Problem, get
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
@@ -23,7 +22,8 @@ from booster_ros.diagnosis.nameless import (
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
-from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, polished
+from booster_ros.diagnosis.search import (
+    EVALUATIONS, WORTH_A_LAST_POLISHING, Search, as_given, polished)
 from booster_ros.diagnosis.segments import (
     USED, Segment, rows_of, segment_of_row, split, split_sweep)
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
@@ -168,15 +168,15 @@ def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
     shape, and one over the stem's velocity can swing on the way from nothing: minutes a fit.
     """
     problem = search.on(candidate.problem, USED, 1)
-    fit = problem.fit(candidate.fit.z, EVALUATIONS, FINAL)
+    fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     dry = has_dry_friction(fit.parameters.actuator)
     if not dry:
-        fit = polished(problem, fit, FINAL)
+        fit = polished(problem, fit, WORTH_A_LAST_POLISHING)
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
     if enough or not candidate.effects or candidate.effects[0].startswith(UNNAMED):
         return problem, problem.without_unseen(fit)
     other = as_seen_above(search, candidate, fit.z, USED) if dry else as_given(problem, fit.z)
-    again = problem.fit(other, EVALUATIONS, FINAL)
+    again = problem.fit(other, evaluations=EVALUATIONS)
     return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
 
 

@@ -17,7 +17,7 @@ import os
 
 import numpy as np
 
-from booster_ros.diagnosis.descent import SEARCHING, descend
+from booster_ros.diagnosis.descent import descend
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import Effect, Knob
@@ -343,21 +343,12 @@ class Problem:
         return Fit(self.freedoms, z, p, self.initial(z, p), 0.0,
                    self.jacobian(z, self.residuals(z)))
 
-    def fit(self, z: Array | None = None, evaluations: int = 20, converged: float = SEARCHING
-            ) -> Fit:
+    def fit(self, z: Array | None = None, evaluations: int = 20) -> Fit:
         """Return the best fit from z on (default: from the given parameters)."""
-        return self._fitted(self.start() if z is None else z, evaluations, converged)
-
-    def carried_on(self, fit: Fit, evaluations: int, converged: float = SEARCHING) -> Fit:
-        """Return a fit of this problem carried on."""
-        return self._fitted(fit.z, evaluations, converged, fit.jacobian)
-
-    def _fitted(self, begin: Array, evaluations: int, converged: float, known: Array | None = None
-                ) -> Fit:
         low, high = self.bounds()
+        begin = self.start() if z is None else z
         margin = 1e-6 * np.minimum(high - low, 1.0)
         begin = np.clip(begin, low + margin, high - margin)
-        found = descend(
-            self.residuals, self.jacobian, begin, low, high, evaluations, known, converged)
+        found = descend(self.residuals, self.jacobian, begin, low, high, evaluations)
         p = self.parameters(found.z)
         return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)

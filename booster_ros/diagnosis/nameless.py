@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import TOO_SIMILAR, Candidate, clearly_better, told_apart
-from booster_ros.diagnosis.descent import FINAL
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
-from booster_ros.diagnosis.search import EVALUATIONS, Search, polished
+from booster_ros.diagnosis.search import EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished
 from booster_ros.diagnosis.segments import USED
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
 from booster_ros.diagnosis.unknown import UNNAMED, linear_reach, moved, terms
@@ -135,7 +134,8 @@ def term_alone(search: Search, candidate: Candidate, before: Fit) -> tuple[Probl
     base = before.parameters._replace(discrepancy=joint.base.discrepancy)
     problem = replace(joint, base=base, freedoms=joint.freedoms[declared:])
     z = np.concatenate([np.zeros(len(problem.freedoms)), before.z[declared:]])
-    return problem, polished(problem, problem.fit(z, EVALUATIONS, FINAL), FINAL)
+    fit = problem.fit(z, evaluations=EVALUATIONS)
+    return problem, polished(problem, fit, WORTH_A_LAST_POLISHING)
 
 
 def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:

@@ -88,7 +88,7 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
         if first is not None and one.fit.cost > OTHER_START * first.fit.cost:
             continue
         if one.fit.cost < min(hopeless * begun[0].fit.cost, worth):
-            one = replace(one, fit=one.problem.carried_on(one.fit, EVALUATIONS))
+            one = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
         if one.effect not in ended or one.fit.cost < ended[one.effect].fit.cost:
             ended[one.effect] = one
         tick()
@@ -155,7 +155,7 @@ def _first_steps_in_parts(search: Search, parent: Candidate, names: list[str], a
     parts: list[_Begun] = []
     for name in list(dict.fromkeys(b.effect for b in upper))[:FEWEST]:
         part = next(b for b in upper if b.effect == name)
-        part = replace(part, fit=part.problem.carried_on(part.fit, EVALUATIONS))
+        part = replace(part, fit=part.problem.fit(part.fit.z, evaluations=EVALUATIONS))
         fall = fitted.cost - part.fit.cost
         if fall > WORTH_ADDING * fitted.cost and part.fit.cost < worth_above:
             parts.append(replace(part, confirmed=fall > WORTH_EXPLAINING * excess))

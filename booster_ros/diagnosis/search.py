@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import Candidate
-from booster_ros.diagnosis.descent import SEARCHING
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import BENCH, Fit, Free, Problem
 from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
@@ -30,9 +29,9 @@ FAR_BEHIND = 10.0
 """A model that costs so much more than another one is no rival of it: no more fitting."""
 
 POLISHINGS = 4
-WORTH_POLISHING = 10.0
-"""A fit is given as many steps again, so many times at the most, while all of them lower its cost
-by so many times what a single one has to."""
+WORTH_POLISHING, WORTH_A_LAST_POLISHING = 0.01, 0.001
+"""A fit is given as many steps again, so many times at the most, while that lowers its cost by this
+share; the last fit by the second."""
 
 THINNING = 8
 """Fits use every eighth row, and all rows where the drive jumps."""
@@ -172,13 +171,13 @@ def as_given(problem: Problem, z: Array) -> Array:
     return fresh
 
 
-def polished(problem: Problem, fit: Fit, converged: float = SEARCHING) -> Fit:
+def polished(problem: Problem, fit: Fit, worth: float = WORTH_POLISHING) -> Fit:
     """Return the fit carried on until that no longer pays; where the stem sticks, once."""
     rounds = 1 if has_dry_friction(fit.parameters.actuator) else POLISHINGS
     for _ in range(rounds):
-        better = problem.carried_on(fit, EVALUATIONS, converged)
+        better = problem.fit(fit.z, evaluations=EVALUATIONS)
         fell = fit.cost - better.cost
         fit = min(fit, better, key=lambda f: f.cost)
-        if fell < WORTH_POLISHING * converged * fit.cost:
+        if fell < worth * fit.cost:
             break
     return fit

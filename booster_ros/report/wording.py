@@ -123,7 +123,8 @@ def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
 def _sentence_on_unknown(unknown: UnknownTerm) -> str:
     variable, size = scale_of(unknown.variable_unit), scale_of(unknown.unit)
     largest = max((float(v) for v in unknown.values), key=abs)
-    elsewhere = ', and the model is the declared one, refitted' if unknown.variable == 'time' else ''
+    over_time = unknown.variable == 'time'
+    elsewhere = ', and the model is the declared one, refitted' if over_time else ''
     return (
         f'It depends on the {channel_label(unknown.variable)}, was seen from '
         f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
