@@ -31,6 +31,13 @@ FORESEEN = 0.1
 CONVERGED = 1e-4
 """Relative change of the cost, and of the variables, at which a descent ends."""
 
+NO_STEP = 1e-9
+"""Shorter ones are rounding, and say nothing of slopes."""
+
+_SHIFT = 5.0
+"""The first trust region is as large as the variables: shifted, so that a start near zero is not
+taken for a wish to move in small steps."""
+
 
 @dataclass(frozen=True)
 class Descent:
@@ -39,14 +46,6 @@ class Descent:
     z: Array
     cost: float
     jacobian: Array
-
-
-NO_STEP = 1e-9
-"""Shorter ones are rounding, and say nothing of slopes."""
-
-_SHIFT = 5.0
-"""The first trust region is as large as the variables: shifted, so that a start near zero is not
-taken for a wish to move in small steps."""
 
 
 class _Slopes:
