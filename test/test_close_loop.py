@@ -3,10 +3,12 @@
 """`close_loop` as a process: what it writes, what it refuses, and what an interruption leaves."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
 import time
+import weakref
 
 from made_diagnosis import timed_columns
 import numpy as np
@@ -16,6 +18,7 @@ from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.parameters.file import read_parameter_file, write_parameter_file
+from booster_ros.programs import close_loop as program
 from booster_ros.records import CsvWriter
 
 COMMAND = (sys.executable, '-m', 'booster_ros', 'close_loop')
@@ -146,8 +149,33 @@ def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared):
     assert len(list(out.iterdir())) == 2  # the temporary folder is there: it works
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=120)
-    assert process.returncode == 130
+    assert process.returncode == 130, said
     assert 'Traceback' not in said
     assert 'nothing was written' in said
     assert [path.name for path in out.iterdir()] == ['report.html']
     assert (out / 'report.html').read_text() == 'earlier'
+
+
+@pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')
+def test_an_interruption_that_comes_where_python_drops_it_is_not_lost(
+        tmp_path, declared, record, monkeypatch, capsys):
+    reached = []
+
+    class Held:
+        pass
+
+    def interrupt_in_a_callback():
+        held = Held()
+        watch = weakref.ref(held, lambda _: os.kill(os.getpid(), signal.SIGINT))
+        del held
+        reached.append(watch() is None)  # the callback is through, and nothing was raised here
+
+    monkeypatch.setattr(program, 'announce_compilation', interrupt_in_a_callback)
+    before = signal.getsignal(signal.SIGINT)
+    out = tmp_path / 'out'
+    status = program.main(['--record', str(record), '--params', str(declared), '--out', str(out)])
+    assert reached == [True]
+    assert status == 130
+    assert 'nothing was written' in capsys.readouterr().err
+    assert not out.exists()
+    assert signal.getsignal(signal.SIGINT) is before

@@ -30,6 +30,7 @@ from ..report.parameter_files import write_parameter_files
 from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
 from .compiling import announce_compilation
+from .interruption import kept_interruption
 
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
@@ -39,18 +40,8 @@ def main(args: Sequence[str] | None = None) -> int:
     """Diagnose a record and write the report; return the exit status."""
     options = _parser().parse_args(args)
     try:
-        _check_inputs_stay(options)
-        declared = from_values(read_parameter_file(options.params).physical)
-        experiment, notes = _read(options, options.record, declared)
-        validation = options.validation and _read(options, options.validation, declared)[0]
-        with _output_folder(options.out) as folder:
-            announce_compilation()
-            diagnosis = _diagnose(experiment, declared, notes, validation)
-            if options.calibrate:
-                with _progress() as tell:
-                    diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)
-            _write(folder, diagnosis, Provenance(
-                str(options.record), str(options.params), str(options.validation or '')))
+        with kept_interruption() as check:
+            diagnosis = _close_loop(options, check)
     except (ParameterError, RecordError) as error:
         print(f'close_loop: {error}', file=sys.stderr)
         return 2
@@ -63,6 +54,25 @@ def main(args: Sequence[str] | None = None) -> int:
     print(f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis), sep='\n  ')
     print(f'Report: {options.out / "report.html"}')
     return 0
+
+
+def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
+    _check_inputs_stay(options)
+    declared = from_values(read_parameter_file(options.params).physical)
+    experiment, notes = _read(options, options.record, declared)
+    validation = options.validation and _read(options, options.validation, declared)[0]
+    with _output_folder(options.out) as folder:
+        announce_compilation()
+        with _progress(check) as tell:
+            diagnosis = diagnose(experiment, declared, tell, notes)
+            diagnosis = validated(diagnosis, validation) if validation else diagnosis
+        if options.calibrate:
+            with _progress(check) as tell:
+                diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)
+        _write(folder, diagnosis, Provenance(
+            str(options.record), str(options.params), str(options.validation or '')))
+        check()
+    return diagnosis
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -133,21 +143,13 @@ def _read(
     return experiment, (*record.notes, *experiment.notes)
 
 
-def _diagnose(
-    experiment: Experiment, declared: PositionerParameters, notes: tuple[str, ...],
-    validation: Experiment | None,
-) -> Diagnosis:
-    with _progress() as tell:
-        diagnosis = diagnose(experiment, declared, tell, notes)
-        return validated(diagnosis, validation) if validation else diagnosis
-
-
 @contextmanager
-def _progress() -> Iterator[Callable[[str, float], None]]:
-    """Yield what takes a phrase and the share done to a bar, silent where nobody looks."""
+def _progress(check: Callable[[], None]) -> Iterator[Callable[[str, float], None]]:
+    """Yield what checks and takes a phrase and the share done to a bar, silent unless watched."""
     form = '{percentage:3.0f}% |{bar}| {elapsed} {desc}'
     with tqdm(total=1.0, bar_format=form, disable=None, leave=False) as bar:
         def tell(phrase: str, share: float) -> None:
+            check()
             bar.set_description_str(phrase, refresh=False)
             bar.update(max(share - bar.n, 0.0))
 

@@ -1,0 +1,41 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Keep an interruption that Python loses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+import signal
+import threading
+from types import FrameType
+
+
+@contextmanager
+def kept_interruption() -> Iterator[Callable[[], None]]:
+    """
+    Yield what raises KeyboardInterrupt where one has come and has not ended the block.
+
+    SIGINT raises KeyboardInterrupt in whatever Python code runs next. Where that is a callback
+    of a weak reference (the import of a module has one), a finaliser or a callback from C, the
+    interpreter prints the exception and goes on: who pressed Ctrl-C would wait for the end.
+    Outside the main thread, which alone is given signals, nothing is kept.
+    """
+    came = threading.Event()
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        came.set()
+        signal.default_int_handler(number, frame)
+
+    def check() -> None:
+        if came.is_set():
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield check
+        return
+    previous = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, previous)
