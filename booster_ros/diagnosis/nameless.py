@@ -118,7 +118,7 @@ def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
 
 
 def over_time(candidate: Candidate) -> bool:
-    """Tell whether what was added last is a term without a name that follows the time alone."""
+    """Tell whether a term without a name that follows the time alone was added."""
     return any(one.endswith(f' over {term.VARIABLES[term.TIME]}') for one in candidate.effects)
 
 
