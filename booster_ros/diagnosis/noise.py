@@ -14,27 +14,43 @@ Array = np.ndarray
 _THIRD_DIFFERENCE_GAIN = 20.0
 _MAD_TO_SIGMA = 1.4826
 
+FEWEST_DIFFERENCES = 8
+
+FLICKERS = 0.16
+"""Variance of noise and rounding, in squares of a step, below which noise shows as flicker: there
+both ways of reading it come nearest to each other."""
+
 
 def white_noise(signal: Array) -> float:
     """
     Return the standard deviation of the white noise on an evenly sampled signal (its unit).
 
-    Where most rows are empty, as of a channel slower than the others, of the rows it has.
+    Where most rows are empty, as of a channel slower than the others, of the rows it has. NaN where
+    there are too few.
     """
-    third = np.diff(signal, 3)
-    third = third[np.isfinite(third)]
-    if len(third) < 0.5 * len(signal):
-        third = np.diff(signal[np.isfinite(signal)], 3)
-    if len(third) < 8:
+    third = _third_differences(signal)
+    if len(third) < FEWEST_DIFFERENCES:
         return float('nan')
-    middle = np.median(third)
-    mad = _MAD_TO_SIGMA * float(np.median(np.abs(third - middle)))
+    mad = _spread(third)
     # coarse steps make the median of differences a multiple of the step, even zero
     if mad == 0.0 or len(np.unique(third)) < 30:
         low, high = np.quantile(third, [0.02, 0.98])
         kept = third[(third >= low) & (third <= high)]
         mad = float(np.std(kept))
     return mad / np.sqrt(_THIRD_DIFFERENCE_GAIN)
+
+
+def _third_differences(signal: Array) -> Array:
+    third = np.diff(signal, 3)
+    third = third[np.isfinite(third)]
+    if len(third) < 0.5 * len(signal):
+        third = np.diff(signal[np.isfinite(signal)], 3)
+    return third
+
+
+def _spread(values: Array) -> float:
+    """Return the standard deviation of normal values, from half of them."""
+    return _MAD_TO_SIGMA * float(np.median(np.abs(values - np.median(values))))
 
 
 def resolution(signal: Array) -> float:
@@ -48,10 +64,36 @@ def resolution(signal: Array) -> float:
 
 def noise_level(signal: Array) -> float:
     """
-    Return the noise of a channel, at least what its resolution explains (step / sqrt(12)).
+    Return the noise of a channel, with what its resolution adds (step / sqrt(12) at the least).
 
     0 for one that stands still or has too few rows to tell.
     """
-    floor = resolution(signal) / np.sqrt(12.0)
+    step = resolution(signal)
+    if step:
+        return _rounded_noise(signal, step)
     level = white_noise(signal)
-    return max(level, floor) if np.isfinite(level) else floor
+    return level if np.isfinite(level) else 0.0
+
+
+def _rounded_noise(signal: Array, step: float) -> float:
+    """
+    Return the noise of a signal that is rounded to multiples of `step`.
+
+    Differences of such a signal are multiples of the step as well, and so is their median. A dither
+    of one step, whose variance is known, takes that away (Wannamaker et al., 2000). Where the noise
+    is well below a step most rows are rounded alike and it shows as flicker where the signal
+    passes from one value to the next: of a signal anywhere between them, noise s leaves the
+    variance step * s / sqrt(pi).
+    """
+    least = step**2 / 12.0
+    third = _third_differences(signal)
+    if len(third) < FEWEST_DIFFERENCES:
+        return float(np.sqrt(least))
+    dither = step * (np.random.default_rng(1).random(len(signal)) - 0.5)
+    dithered = _spread(_third_differences(signal + dither))**2 / _THIRD_DIFFERENCE_GAIN - least
+    if dithered > FLICKERS * step**2:
+        return float(np.sqrt(dithered))
+    # one flicker has differences of up to three steps; what moves faster is no noise
+    flicker = np.mean(np.clip(third, -4.0 * step, 4.0 * step)**2) / _THIRD_DIFFERENCE_GAIN
+    noise = min(flicker * np.sqrt(np.pi) / step, np.sqrt(FLICKERS * step**2 - least))
+    return float(np.hypot(noise, np.sqrt(least)))
