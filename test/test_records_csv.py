@@ -180,6 +180,47 @@ def test_gaps_split_a_record_and_are_not_filled(tmp_path):
     assert str(gap) == 'rows 20 to 21, column time: a gap of 0.11 s, left open'
 
 
+def with_value(row: int, pressure: float, rows: int = 400) -> list[str]:
+    """Return good lines with one pressure replaced."""
+    lines = good_lines(rows)
+    cells = lines[row - 1].split(',')
+    lines[row - 1] = ','.join([*cells[:2], f'{pressure:.0f}', cells[3]])
+    return lines
+
+
+@pytest.mark.parametrize('wild', [2e6, 0.0, -3e5])
+def test_a_single_value_far_from_its_neighbours_is_named_and_not_used(tmp_path, wild):
+    record = read_lines(tmp_path, with_value(200, wild))
+    assert np.flatnonzero(np.isnan(record['chamber_pressure'])).tolist() == [198]
+    assert np.isfinite(record['valve_position']).all()
+    (defect,) = defects(record, 'wild_value')
+    assert str(defect) == ('row 200, column chamber_pressure: 1 values far from those of the rows '
+                           'before and after, not used')
+
+
+def test_steps_and_peaks_that_last_and_signals_that_go_to_and_fro_are_kept(tmp_path):
+    lines = good_lines(400)
+    for row in range(200, 400):  # a step
+        lines[row] = lines[row].rsplit(',', 1)[0] + ',0.012'
+    for row in (100, 101):  # two rows
+        cells = lines[row].split(',')
+        lines[row] = ','.join([*cells[:2], '250000', cells[3]])
+    record = read_lines(tmp_path, lines)
+    assert not defects(record, 'wild_value')
+    assert np.isfinite(record['chamber_pressure']).all()
+    alternating = [HEADER] + [
+        f'{row / 10},0.0004,{150_000 + 50_000 * (row % 10 == 0)},0.001' for row in range(400)]
+    assert not defects(read_lines(tmp_path, alternating), 'wild_value')
+
+
+def test_pressures_that_stay_below_vacuum_are_refused(tmp_path):
+    lines = with_value(200, -3e5)
+    lines[200] = lines[200].replace('170000', '-300000').replace('169900', '-300000')
+    with pytest.raises(RecordError, match=(
+            r'row 20\d, column chamber_pressure: -300000 Pa gauge is below vacuum')):
+        read_lines(tmp_path, lines)
+
+
 def test_of_duplicated_stamps_the_last_row_stays(tmp_path):
     lines = good_lines()
     lines.insert(10, lines[9].replace('150800', '150000'))

@@ -13,12 +13,15 @@ import numpy as np
 
 from booster_ros.records.record import COLUMNS, MEASURED, Array, Defect, Record, RecordError
 from booster_ros.records.time_axis import gap_rows
-from booster_ros.records.units import check_pressure_scale
+from booster_ros.records.units import check_above_vacuum, check_pressure_scale
 
 _UNEVEN_RATIO = 1.5
 _LISTED_RUNS = 8
 _EPOCH_SECONDS = 1e8
 _LARGEST_GRID = 2**16
+_WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
+_FEWEST_ROWS = 200
+_WILD, _ALIKE = 0.3, 10.0
 _AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
 
 Columns = dict[str, Array]
@@ -37,6 +40,9 @@ def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...
     held = hold_command(columns, rows)
     found += held
     for name in columns:
+        columns[name], wild = drop_wild_values(name, columns, rows)
+        found += wild
+        check_above_vacuum(name, columns[name], rows, source)
         found += missing_runs(name, columns[name], rows)
         found += resolution(name, columns[name])
     found += start(columns, rows)
@@ -160,6 +166,30 @@ def hold_command(columns: Columns, rows: Array) -> list[Defect]:
     columns['control_current'] = np.where(holdable, values[last_known], values)
     text = 'missing values, held from the row before'
     return _listed('missing_command', 'control_current', holdable, rows, text)
+
+
+def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:
+    """
+    Take out values of a single row that no valve can have gone to and come back from.
+
+    They are far from both neighbours, which are like each other. Where there are many they are the
+    signal; a flow has such peaks, and rows without time need not be in any order.
+    """
+    values = columns[name]
+    if name not in _WITHOUT_PEAKS or 'time' not in columns or len(values) < _FEWEST_ROWS:
+        return values, []
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return values, []
+    usual = float(np.ptp(np.quantile(known, [0.001, 0.999])))
+    before, after = values[:-2], values[2:]
+    away = np.abs(values[1:-1] - 0.5 * (before + after))
+    wild = np.zeros(len(values), dtype=bool)
+    wild[1:-1] = (away > _WILD * usual) & (away > _ALIKE * np.abs(after - before))
+    if not 0 < wild.sum() <= max(1, len(values) // _FEWEST_ROWS):
+        return values, []
+    text = 'values far from those of the rows before and after, not used'
+    return np.where(wild, np.nan, values), _listed('wild_value', name, wild, rows, text)
 
 
 def missing_runs(column: str, values: Array, rows: Array) -> list[Defect]:

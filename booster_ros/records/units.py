@@ -9,6 +9,9 @@ from booster_ros.records.record import COLUMNS, Array, RecordError
 LARGEST_KILOPASCALS = 2000.0
 """A pressure signal that stays below this number is in kPa, bar, MPa or psi, not in Pa."""
 
+VACUUM = -105e3
+"""No gauge pressure is below this: the atmosphere is at most 1.05 bar at the sea."""
+
 _NOISE_SHARE = 0.05
 _PRACTICALLY_ZERO = 0.01
 _LIKE_SIZE = 5.0
@@ -57,3 +60,13 @@ def check_pressure_scale(column: str, values: Array, rows: Array, source: str) -
         f'{values[highest]:g}, which looks like kPa, bar, MPa or psi: '
         'convert the column to Pa, gauge'
     )
+
+
+def check_above_vacuum(column: str, values: Array, rows: Array, source: str) -> None:
+    """Raise RecordError where a pressure is below vacuum."""
+    below = np.flatnonzero(values < VACUUM)
+    if COLUMNS[column].unit == 'Pa' and below.size:
+        raise RecordError(
+            f'{source}, row {rows[below[0]]}, column {column}: {values[below[0]]:g} Pa gauge is '
+            'below vacuum'
+        )
