@@ -13,15 +13,17 @@ from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_a
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem, declared_freedom, put
-from booster_ros.diagnosis.nameless import best_terms
+from booster_ros.diagnosis.last_fit import last_fit, verdict_of
+from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.search import Search
-from booster_ros.diagnosis.segments import split
-from booster_ros.diagnosis.selection import compared, named
+from booster_ros.diagnosis.segments import USED, split
+from booster_ros.diagnosis.selection import Tried, _taught, compared, named
+from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
@@ -216,6 +218,77 @@ def test_what_only_the_select_segments_teach_is_nothing_missing():
     assert tried.chosen.effects == ()
     assert tried.chosen.misfit < 1.1
     assert best_terms(search, tried) == []
+
+
+def test_what_few_select_segments_teach_is_noise_also_where_values_are_missing_unevenly():
+    """A segment is judged by its own values: one without gaps has more than the average."""
+    experiment = seen(P, current=CURRENT, seed=3)
+    search = searching(experiment, ())
+    refit = search.refit()
+    assert _taught(search, refit) is not None
+    sparse = next(s for s in search.segments if s.role == 'select')
+    for measured in experiment.measured.values():
+        measured[sparse.first:sparse.last][np.arange(sparse.last - sparse.first) % 4 > 0] = np.nan
+    refit = search.refit()
+    assert search.values_held_back().min() < 0.5 * search.values_held_back().max()
+    assert _taught(search, refit) is not None
+
+
+def too_quiet(experiment, share=0.6):
+    """Return the experiment with noise that is said to be less than it is."""
+    return replace(experiment, noise={
+        name: share * level for name, level in experiment.noise.items()})
+
+
+def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():
+    search = searching(too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5)), ())
+    refit = search.refit()
+    tried = Tried(refit, refit, (refit,), {})
+    assert compete(tried)
+    assert best_terms(search, tried) == []
+
+
+def test_a_term_that_leaves_no_less_on_all_but_the_locked_part_is_no_verdict():
+    search = searching(steps_seen(P, STEPS, 1.7e5, seed=5), ())
+    refit = search.refit()
+    last = last_fit(search, refit)
+    in_stem = next(one for one in terms(search.experiment.channels)
+                   if one.label == 'stem over valve_position')
+    used, _ = search.rows_and_experiment(USED, search.thinning)
+    joint = with_term(refit.problem, refit.problem.at(refit.fit.z), in_stem, used)
+    candidate = search.rate((UNNAMED + in_stem.label,), joint, joint.fit(evaluations=3))
+    tried = Tried(refit, refit, (refit,), {})
+    assert preferable(candidate, tried)
+    assert verdict_of(search, tried, [candidate], last) == ('none', tried, last)
+
+
+@pytest.mark.parametrize(('bend', 'verdict'), [(0.0, 'none'), (400.0, 'effect')])
+def test_an_effect_that_all_but_the_locked_part_does_not_show_is_left_out(bend, verdict):
+    search = searching(steps_seen(put(P, 'actuator.spring_bend', bend), STEPS, 1.7e5, seed=5),
+                       ('spring_nonlinearity',))
+    refit = search.refit()
+    chosen = standing_at(search, ('spring_nonlinearity',), {'actuator.spring_bend': 100.0})
+    reasons = {frozenset(('spring_nonlinearity',)): 'chosen', frozenset(): 'refitted'}
+    tried = Tried(refit, chosen, (refit, chosen), reasons)
+    said, after, last = verdict_of(search, tried, [], last_fit(search, refit))
+    assert said == verdict
+    why = after.reasons[frozenset(('spring_nonlinearity',))]
+    if verdict == 'none':
+        assert after.chosen is refit
+        assert why == ('fitted to all but the locked part: spring_nonlinearity: its size is not '
+                       'told from none')
+        assert last.fit.parameters.actuator.spring_bend == 0.0
+    else:
+        assert after.chosen is chosen
+        assert why == 'chosen'
+        assert last.fit.parameters.actuator.spring_bend == pytest.approx(bend, rel=0.2)
+
+
+def test_what_was_dropped_from_the_other_record_is_said():
+    found = unknown_found()
+    another = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
+    notes = validated(found, another, ('rows 7 to 9, column time: dropped',)).notes
+    assert notes[len(found.notes):] == ('the other record: rows 7 to 9, column time: dropped',)
 
 
 STEPS = np.array([3.6, 4.0, 4.4, 4.1, 3.7, 3.5, 3.8, 4.2, 4.4, 4.2, 3.9, 3.6, 3.9, 4.3, 4.0, 3.7])

@@ -105,7 +105,7 @@ def test_a_resting_start_is_averaged_and_a_moving_one_is_taken_as_it_is():
     still = prepare(record_of(**columns), DECLARED).initial
     assert still.chamber_pressure == pytest.approx(np.mean(columns['chamber_pressure'][:5]))
     assert still.valve_position == pytest.approx(np.mean(columns['valve_position'][:5]))
-    columns['chamber_pressure'] = columns['chamber_pressure'] - 2e3 * np.arange(ROWS)[::-1]
+    columns['chamber_pressure'] = columns['chamber_pressure'] - 400.0 * np.arange(ROWS)[::-1]
     moving = prepare(record_of(**columns), DECLARED).initial
     assert moving.chamber_pressure == columns['chamber_pressure'][0]
 
@@ -166,7 +166,48 @@ def test_rows_before_the_first_known_drive_are_cut_off():
     experiment = prepare(record_of(**columns), DECLARED)
     assert len(experiment.time) == ROWS - 30
     assert np.allclose(experiment.time, columns['time'][30:] - columns['time'][30])
-    assert any(note.startswith('30 rows') for note in experiment.notes)
+    assert 'rows 2 to 31 left out: they lack chamber_pressure' in experiment.notes
+
+
+def test_a_pressure_that_ends_before_the_record_leaves_the_position_to_be_compared():
+    columns = step_test()
+    columns['chamber_pressure'][ROWS // 2:] = np.nan
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert np.isfinite(experiment.measured['valve_position']).all()
+    assert np.isfinite(experiment.measured['chamber_pressure']).sum() == ROWS // 2
+    assert not any('left out' in note for note in experiment.notes)
+
+
+def test_rows_after_the_last_known_drive_are_cut_off():
+    columns = step_test()
+    columns['control_current'][-20:] = np.nan
+    columns['time'][-20:] += 30.0  # a command is not held across a gap
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert len(experiment.time) == ROWS - 20
+    assert f'rows {ROWS - 18} to {ROWS + 1} left out: they lack control_current' in experiment.notes
+
+
+def fast(current_after, gap=7):
+    """Return a record at 100 Hz with some rows missing, and the index of the row after them."""
+    time = 0.01 * np.arange(4000)
+    current = np.where(time < 10.0, 0.43e-3, 0.45e-3)
+    current[time >= 20.0] = current_after
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 215e3})
+    kept = np.ones(4000, dtype=bool)
+    kept[2000 - gap:2000] = False
+    columns = {'time': time, 'control_current': current, **{
+        name: run[name] for name in ('chamber_pressure', 'valve_position')}}
+    return record_of(**{name: values[kept] for name, values in columns.items()}), 2000 - gap
+
+
+@pytest.mark.parametrize(('current_after', 'gap', 'counts'), [
+    (0.45e-3, 7, True), (0.4501e-3, 7, True), (0.43e-3, 7, False), (0.45e-3, 100, False)])
+def test_rows_after_a_short_gap_count_where_the_drive_stands_as_before_it(
+        current_after, gap, counts):
+    record, row = fast(current_after, gap)
+    experiment = prepare(record, DECLARED)
+    assert np.isfinite(experiment.measured['chamber_pressure'][row:row + 500]).all() == counts
+    assert np.isfinite(experiment.measured['chamber_pressure'][:row]).all()
 
 
 def test_time_counts_from_where_the_record_begins():

@@ -12,24 +12,20 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
-from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, gain, told_apart
-from booster_ros.diagnosis.cascade import as_seen_above
+from booster_ros.diagnosis.candidate import Candidate, gain, told_apart
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
-from booster_ros.diagnosis.fit import Fit, Free, Problem, get
-from booster_ros.diagnosis.intervals import block_bootstrap, interval_of
-from booster_ros.diagnosis.nameless import (
-    best_terms, beyond_names, compete, over_time, preferable, term_alone)
+from booster_ros.diagnosis.fit import Fit, Free, get
+from booster_ros.diagnosis.intervals import interval_of
+from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
+from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
-from booster_ros.diagnosis.search import (
-    EVALUATIONS, WORTH_A_LAST_POLISHING, Search, as_given, polished)
-from booster_ros.diagnosis.segments import (
-    USED, Segment, rows_of, segment_of_row, split, split_sweep)
+from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
 from booster_ros.diagnosis.unknown import LOCATION_NAMES, UNNAMED
 from booster_ros.model import discrepancy as term
-from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
@@ -99,17 +95,13 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
     experiment = search.experiment
     size = len(experiment.time)
     rows, locked = rows_of(search.segments, USED, size), rows_of(search.segments, ('test',), size)
-    _, before = _final(search, tried.refit)
-    verdict, best = 'none', tried.refit
-    if tried.chosen.effects:
-        verdict, best = 'effect', tried.chosen
-    if unnamed and preferable(unnamed[0], tried):
-        verdict, best = 'unknown', unnamed[0]
-    problem, after = term_alone(search, best, before) if over_time(best) else _final(search, best)
+    refit = last_fit(search, tried.refit)
+    verdict, tried, last = verdict_of(search, tried, unnamed, refit)
+    before, after = refit.fit, last.fit
     effects: tuple[FoundEffect, ...] = ()
     table = None
     if verdict == 'effect':
-        effects = _found(search, tried, best, problem, after)
+        effects = _found(tried, last)
     elif verdict == 'unknown':
         effects, table = _found_unknown(unnamed, after)
     runs = {
@@ -124,7 +116,8 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
                 for effects, c in best_of.items()]
     if unnamed:
         fate = 'chosen: structure that no named effect predicts' if verdict == 'unknown' else (
-            'not clearly better than the named effects')
+            'not clearly better than the named effects' if tried.chosen.effects else
+            'fitted to all but the locked part, it does not lower the error')
         if verdict == 'unknown':  # what was chosen among the named is not what is reported
             suspects = [replace(s, reason='the best of the named, which explain less')
                         if s.effects and set(s.effects) == set(tried.chosen.effects) else s
@@ -158,28 +151,6 @@ def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
         for one in refitted if one.at_limit)
 
 
-def _final(search: Search, candidate: Candidate) -> tuple[Problem, Fit]:
-    """
-    Return the candidate fitted to all but the locked part.
-
-    Where that leaves more than noise, once more from another start, as the declared parameters may
-    have ended in a corner where they imitated the effect before it was there: from those given and
-    typical shapes, or, where the stem sticks, from what is seen above it. A table has no typical
-    shape, and one over the stem's velocity can swing on the way from nothing: minutes a fit.
-    """
-    problem = search.on(candidate.problem, USED, 1)
-    fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
-    dry = has_dry_friction(fit.parameters.actuator)
-    if not dry:
-        fit = polished(problem, fit, WORTH_A_LAST_POLISHING)
-    enough = fit.cost < NEAR_NOISE * problem.rows_counted()
-    if enough or not candidate.effects or candidate.effects[0].startswith(UNNAMED):
-        return problem, problem.without_unseen(fit)
-    other = as_seen_above(search, candidate, fit.z, USED) if dry else as_given(problem, fit.z)
-    again = problem.fit(other, evaluations=EVALUATIONS)
-    return problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost))
-
-
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array
             ) -> dict[str, ChannelError]:
     errors = {}
@@ -191,18 +162,16 @@ def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Arr
     return errors
 
 
-def _found(search: Search, tried: Tried, best: Candidate, problem: Problem, after: Fit
-           ) -> tuple[FoundEffect, ...]:
-    draws = block_bootstrap(
-        problem, after, segment_of_row(search.segments, len(search.experiment.time)))
+def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
+    best = tried.chosen
     found = []
     for name in best.effects:
         effect = EFFECTS[name]
         parameters = {}
         for knob in effect.knobs:
-            index = next(j for j, free in enumerate(problem.freedoms)
+            index = next(j for j, free in enumerate(last.problem.freedoms)
                          if free.knob.parameter == knob.parameter)
-            value, low, high = interval_of(problem, draws, after, index)
+            value, low, high = interval_of(last.problem, last.draws, last.fit, index)
             parameters[knob.parameter] = Interval(
                 value, low, high, DESCRIPTIONS[knob.parameter].unit)
         rest = tuple(e for e in best.effects if e != name)

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.candidate import TOO_SIMILAR, Candidate, clearly_better, told_apart
+from booster_ros.diagnosis.candidate import (
+    TOO_SIMILAR, WORTH_ADDING, Candidate, clearly_better, told_apart)
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished
@@ -49,7 +50,8 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
 
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
-    One over time bends to all it is fitted to, and must come near the noise there.
+    Each has to leave less there than the refit, and one over time, which bends to all it is fitted
+    to, near the noise.
     """
     if not compete(tried):
         return []
@@ -66,7 +68,10 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
         return as_good(candidates, best)
+    refit = search.on_both(tried.refit, search.thinning)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
+    together = [one for one in together
+                if one.fit.cost < (1.0 - WORTH_ADDING) * refit.fit.cost]
     together = [one for one in together if not over_time(one)
                 or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
     least = min((one.fit.cost for one in together), default=0.0)

@@ -20,6 +20,11 @@ Array = np.ndarray
 SETTLING = 10.0
 """Rows within this time after a gap in the drive do not count, s: the chamber must catch up."""
 
+SHORT_GAP = 0.5
+MISSED = 5e-4
+"""But none do after a gap this short, s, in which holding the drive misses no more than this, as a
+share of its range times seconds: the chamber hardly notices."""
+
 DWELL_PINNED = 0.25
 DWELL_COMMANDED = 30.0
 """How long each row of a sweep without time stands, s: where a pressure drives, only the stem has
@@ -93,22 +98,24 @@ def _from_known_start(
     record: Record, role: Roles
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """Return the columns from the row on, and to the row, at which drives and start are known."""
-    needed = list(role.drives)
-    if 'chamber_pressure' in role.compared:
-        needed.append('chamber_pressure')
-    known = np.ones(len(record), dtype=bool)
-    for name in needed:
-        known &= np.isfinite(record[name])
-    rows = np.flatnonzero(known)
-    if not len(rows):
+    drives = list(role.drives)
+    needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
+    driven, started = (np.all([np.isfinite(record[name]) for name in names], axis=0)
+                       if names else np.ones(len(record), dtype=bool) for names in (drives, needed))
+    if not started.any():
         raise RecordError(f'{record.source}: no row has all of {", ".join(needed)}')
-    first, last = int(rows[0]), int(rows[-1]) + 1
+    first, last = int(np.argmax(started)), len(record) - int(np.argmax(driven[::-1]))
     columns = {name: np.asarray(values[first:last]) for name, values in record.columns.items()}
-    cut = len(record) - (last - first)
-    if not cut:
-        return columns, ()
-    return columns, (
-        f'{cut} rows at the ends left out: they lack {" or ".join(needed)}',)
+    return columns, (*_left_out(record, needed, 0, first), *_left_out(record, drives, last, None))
+
+
+def _left_out(record: Record, needed: list[str], first: int, last: int | None) -> tuple[str, ...]:
+    """Return a sentence on the rows at an end that were left out, if any."""
+    rows = record.rows[first:last]
+    if not len(rows):
+        return ()
+    lacking = [name for name in needed if not np.isfinite(record[name][first:last]).all()]
+    return (f'rows {rows[0]} to {rows[-1]} left out: they lack {" or ".join(lacking)}',)
 
 
 def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
@@ -119,7 +126,7 @@ def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
 def _usable_rows(
     time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
 ) -> Array:
-    """Return which rows have a drive that was known long enough."""
+    """Return which rows have a drive that was known long enough for what hangs on it."""
     usable = np.ones(len(time), dtype=bool)
     if not role.drives:
         return usable
@@ -131,9 +138,21 @@ def _usable_rows(
         return usable
     ends = set(gap_rows(time).tolist())
     ends |= set((np.flatnonzero(np.diff(usable.astype(np.int8)) == 1) + 1).tolist())
-    for row in ends:
+    missed = [row for row in ends
+              if any(_misses(time, columns[name], row) for name in role.drives)]
+    for row in missed:
         usable &= (time < time[row]) | (time >= time[row] + SETTLING)
     return usable
+
+
+def _misses(time: Array, drive: Array, row: int) -> bool:
+    """Tell whether a gap before this row hides what moves the chamber."""
+    known = np.flatnonzero(np.isfinite(drive[:row]))
+    if not len(known) or not np.isfinite(drive[row]):
+        return True
+    gap = time[row] - time[known[-1]]
+    changed = abs(drive[row] - drive[known[-1]])
+    return bool(gap > SHORT_GAP or gap * changed > MISSED * np.ptp(drive[np.isfinite(drive)]))
 
 
 def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:

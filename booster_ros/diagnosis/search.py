@@ -100,6 +100,13 @@ class Search:
                     if np.isfinite(free.sigma))
         return Candidate(effects, problem, fit, np.array(sums), float(prior), samples)
 
+    def values_held_back(self) -> Array:
+        """Return how many values of each select segment are compared."""
+        return np.array([
+            sum(np.count_nonzero(np.isfinite(measured[segment.first:segment.last]))
+                for measured in self.experiment.measured.values())
+            for segment in self.segments if segment.role == 'select'])
+
     def refit(self) -> Candidate:
         """Return the declared model refitted."""
         problem = self.problem()

@@ -220,10 +220,8 @@ def _taught(search: Search, chosen: Candidate) -> Candidate | None:
     if has_dry_friction(chosen.fit.parameters.actuator):
         return None
     both = search.on_both(chosen, search.thinning)
-    sizes = [s.last - s.first for s in search.segments if s.role == 'select']
-    per_row = both.samples / max(sum(sizes), 1)
     noise = both.fit.cost < NEAR_NOISE * both.problem.rows_counted() and (
-        both.by_segment < PATCH * per_row * np.array(sizes)).all()
+        both.by_segment <= PATCH * search.values_held_back()).all()
     return both if noise and both.prior < PLAUSIBLE else None
 
 

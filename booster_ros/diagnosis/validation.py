@@ -26,8 +26,10 @@ FULLY = 0.999
 """Share of its largest area from which a seat is fully open."""
 
 
-def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
-    """Return the diagnosis with the errors of its models on this experiment."""
+def validated(
+    diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()
+) -> Diagnosis:
+    """Return the diagnosis with the errors of its models on this experiment, and its notes."""
     stages = (diagnosis.declared, diagnosis.before, diagnosis.after)
     starts = [_start(experiment, parameters) for parameters in stages]
     runs = [experiment.predict(*one) for one in zip(stages, starts)]
@@ -38,7 +40,8 @@ def validated(diagnosis: Diagnosis, experiment: Experiment) -> Diagnosis:
         errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
     added = doubts(errors, 'the other record')
     return replace(diagnosis, validation=errors, notes=(
-        *diagnosis.notes, *added, *_beyond(diagnosis, experiment, starts[-1]),
+        *diagnosis.notes, *(f'the other record: {note}' for note in notes), *added,
+        *_beyond(diagnosis, experiment, starts[-1]),
         *_opened_further(diagnosis, experiment),
         *chance(experiment, diagnosis.after, starts[-1], 'the other record')))
 

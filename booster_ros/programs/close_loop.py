@@ -60,12 +60,15 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
     _check_inputs_stay(options)
     declared = from_values(read_parameter_file(options.params).physical)
     experiment, notes = _read(options, options.record, declared)
-    validation = options.validation and _read(options, options.validation, declared)[0]
+    validation = options.validation and _read(options, options.validation, declared)
     with _output_folder(options.out) as folder:
         announce_compilation()
         with _progress(check) as tell:
-            diagnosis = diagnose(experiment, declared, tell, notes)
-            diagnosis = validated(diagnosis, validation) if validation else diagnosis
+            try:
+                diagnosis = diagnose(experiment, declared, tell, notes)
+            except RecordError as error:
+                raise RecordError(f'{options.record}: {error}') from None
+            diagnosis = validated(diagnosis, *validation) if validation else diagnosis
         if options.calibrate:
             with _progress(check) as tell:
                 diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)

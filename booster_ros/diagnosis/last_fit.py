@@ -1,0 +1,103 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The models of a verdict fitted to all but the locked part, and what of them that part still shows.
+
+What was chosen on the select segments is fitted to them as well, and has to stand there: a term
+without a name has to lower the error of all rows, an effect has to be told from none by them.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.candidate import NEAR_NOISE, WORTH_ADDING, Candidate
+from booster_ros.diagnosis.cascade import as_seen_above
+from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
+from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
+from booster_ros.diagnosis.search import (
+    EVALUATIONS, WORTH_A_LAST_POLISHING, Search, as_given, polished)
+from booster_ros.diagnosis.segments import USED, segment_of_row
+from booster_ros.diagnosis.selection import Tried
+from booster_ros.diagnosis.unknown import UNNAMED
+from booster_ros.model.actuator import has_dry_friction
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class LastFit:
+    """
+    A problem on all but the locked rows, its fit, and draws of z by a bootstrap of its segments.
+
+    Draws have the shape (draws, variables); there are none where no effect is to be told from none.
+    """
+
+    problem: Problem
+    fit: Fit
+    draws: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+
+def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: LastFit
+               ) -> tuple[str, Tried, LastFit]:
+    """
+    Return the verdict (none, effect, unknown), the models tried, and the fit that goes with it.
+
+    Of the models tried the chosen one is without the effects that did not stand.
+    """
+    if unnamed and preferable(unnamed[0], tried):
+        last = _term(search, unnamed[0], before)
+        if last.fit.cost < (1.0 - WORTH_ADDING) * before.fit.cost:
+            return 'unknown', tried, last
+        unnamed = []
+    if not tried.chosen.effects:
+        return 'none', tried, before
+    last = last_fit(search, tried.chosen)
+    draws = block_bootstrap(
+        last.problem, last.fit, segment_of_row(search.segments, len(search.experiment.time)))
+    for name in tried.chosen.effects:
+        fault = undetermined(last.problem, draws, last.fit, name)
+        if fault:
+            return verdict_of(search, _without(tried, name, fault), unnamed, before)
+    return 'effect', tried, replace(last, draws=draws)
+
+
+def last_fit(search: Search, candidate: Candidate) -> LastFit:
+    """
+    Return the candidate fitted to all but the locked part.
+
+    Where that leaves more than noise, once more from another start, as the declared parameters may
+    have ended in a corner where they imitated the effect before it was there: from those given and
+    typical shapes, or, where the stem sticks, from what is seen above it. A table has no typical
+    shape, and one over the stem's velocity can swing on the way from nothing: minutes a fit.
+    """
+    problem = search.on(candidate.problem, USED, 1)
+    fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+    dry = has_dry_friction(fit.parameters.actuator)
+    if not dry:
+        fit = polished(problem, fit, WORTH_A_LAST_POLISHING)
+    enough = fit.cost < NEAR_NOISE * problem.rows_counted()
+    if enough or not candidate.effects or candidate.effects[0].startswith(UNNAMED):
+        return LastFit(problem, problem.without_unseen(fit))
+    other = as_seen_above(search, candidate, fit.z, USED) if dry else as_given(problem, fit.z)
+    again = problem.fit(other, evaluations=EVALUATIONS)
+    return LastFit(problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost)))
+
+
+def _term(search: Search, candidate: Candidate, before: LastFit) -> LastFit:
+    if over_time(candidate):
+        return LastFit(*term_alone(search, candidate, before.fit))
+    return last_fit(search, candidate)
+
+
+def _without(tried: Tried, name: str, fault: str) -> Tried:
+    """Return the models tried with the best of those chosen that has the other effects at most."""
+    rest = set(tried.chosen.effects) - {name}
+    chosen = min((c for c in tried.all if set(c.effects) <= rest and not c.fault),
+                 key=lambda c: c.score)
+    reasons = {**tried.reasons, frozenset(tried.chosen.effects):
+               f'fitted to all but the locked part: {name}: {fault}'}
+    if chosen.effects:
+        reasons[frozenset(chosen.effects)] = 'chosen'
+    return replace(tried, chosen=chosen, reasons=reasons)
