@@ -337,3 +337,26 @@ def test_a_record_that_begins_with_its_first_command_starts_with_the_converter_w
     assert experiment.initial.departure.back_pressure == pytest.approx(at_first, abs=2e3)
     assert any('had not settled at the first command' in note for note in experiment.notes)
     assert prepare(record_of(**step_test()), DECLARED).initial.departure.back_pressure == 0.0
+
+
+@pytest.mark.parametrize(('column', 'wrong', 'says'), [
+    ('chamber_pressure', lambda p: p + 101_325.0, 'looks like absolute pressure'),
+    ('valve_position', lambda x: x / 0.016, 'declared travel is 0.016 m'),
+    ('valve_position', lambda x: 0.1 * x + 0.09, 'declared travel is 0.016 m'),
+    ('control_current', lambda i: 0.004 + 16.0 * i, 'the supply has 4e+05'),
+])
+def test_values_of_another_scale_are_refused_before_they_become_an_effect(column, wrong, says):
+    columns = step_test()
+    prepare(record_of(**columns), DECLARED)
+    columns[column] = wrong(columns[column])
+    with pytest.raises(RecordError, match=rf'^plant\.csv, column {column}: ') as caught:
+        prepare(record_of(**columns), DECLARED)
+    assert says in str(caught.value)
+
+
+def test_a_sensor_that_is_off_by_less_or_by_what_swings_is_no_absolute_pressure():
+    columns = step_test()
+    given = columns['chamber_pressure']
+    for wrong in (given + 60e3, given + 101e3 + 30e3 * np.sin(TIME['time'])):
+        columns['chamber_pressure'] = wrong
+        assert prepare(record_of(**columns), DECLARED).channels

@@ -9,6 +9,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
+from booster_ros.diagnosis.plausibility import check_gauge, check_scales
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
@@ -54,10 +55,11 @@ def prepare(
 
     The most upstream channels drive, the others are compared; rows in and shortly after gaps of
     the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
-    seconds each. RecordError where nothing can be compared.
+    seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
+    check_scales(columns, declared, record.source)
     time = columns.get('time')
     if time is not None:
         columns |= {name: _between_samples(time, columns[name]) for name in role.pinned}
@@ -85,6 +87,7 @@ def prepare(
     )
     if quasi_static:
         return experiment
+    check_gauge(experiment, declared, record.source)
     if role.commanded and not _evenly_sampled(time):
         experiment = _with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
