@@ -16,6 +16,9 @@ _MAD_TO_SIGMA = 1.4826
 
 FEWEST_DIFFERENCES = 8
 
+FINE = 0.3
+"""Steps up to this share of the noise move the median of differences by less than 5 %."""
+
 FLICKERS = 0.16
 """Variance of noise and rounding, in squares of a step, below which noise shows as flicker: there
 both ways of reading it come nearest to each other."""
@@ -68,11 +71,10 @@ def noise_level(signal: Array) -> float:
 
     0 for one that stands still or has too few rows to tell.
     """
-    step = resolution(signal)
-    if step:
+    step, level = resolution(signal), white_noise(signal)
+    if step > FINE * level or not np.isfinite(level):
         return _rounded_noise(signal, step)
-    level = white_noise(signal)
-    return level if np.isfinite(level) else 0.0
+    return level
 
 
 def _rounded_noise(signal: Array, step: float) -> float:

@@ -137,7 +137,8 @@ def _number(cell: str, row: int, name: str, header: Header, source: str) -> floa
             raise ValueError
         return float(text)
     except ValueError:
-        hint = ' (remove the row of units below the header)' if row == 2 else ''
+        units = row == 2 and not any(character.isdigit() for character in text)
+        hint = ' (remove the row of units below the header)' if units else ''
         raise RecordError(
             f'{source}, row {row}, column {name}: {cell.strip()[:40]!r} is not a number{hint}'
         ) from None
