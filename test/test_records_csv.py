@@ -213,6 +213,17 @@ def test_steps_and_peaks_that_last_and_signals_that_go_to_and_fro_are_kept(tmp_p
     assert not defects(read_lines(tmp_path, alternating), 'wild_value')
 
 
+@pytest.mark.parametrize('step', [1.0, 400.0])
+def test_noise_and_flicker_of_a_signal_that_stands_still_are_no_wild_values(tmp_path, step):
+    noise = 150.0 * np.random.default_rng(1).standard_normal(4000)
+    pressures = 2e5 + step * np.round((noise + 0.3 * step) / step)
+    lines = [HEADER] + [f'{row / 100},0.0004,{p:.0f},0.001' for row, p in enumerate(pressures)]
+    record = read_lines(tmp_path, lines)
+    assert np.isfinite(record['chamber_pressure']).all()
+    lines[2000] = '19.99,0.0004,150000,0.001'
+    assert defects(read_lines(tmp_path, lines), 'wild_value')
+
+
 def test_pressures_that_stay_below_vacuum_are_refused(tmp_path):
     lines = with_value(200, -3e5)
     lines[200] = lines[200].replace('170000', '-300000').replace('169900', '-300000')

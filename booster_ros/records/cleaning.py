@@ -21,7 +21,7 @@ _EPOCH_SECONDS = 1e8
 _LARGEST_GRID = 2**16
 _WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 _FEWEST_ROWS = 200
-_WILD, _ALIKE = 0.3, 10.0
+_WILD, _NOISY, _ALIKE = 0.3, 15.0, 10.0
 _AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
 
 Columns = dict[str, Array]
@@ -172,8 +172,9 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
     """
     Take out values of a single row that no valve can have gone to and come back from.
 
-    They are far from both neighbours, which are like each other. Where there are many they are the
-    signal; a flow has such peaks, and rows without time need not be in any order.
+    They are far from both neighbours, which are like each other, by the range of the signal, its
+    noise and its steps. Where there are many they are the signal; a flow has such peaks, and rows
+    without time need not be in any order.
     """
     values = columns[name]
     if name not in _WITHOUT_PEAKS or 'time' not in columns or len(values) < _FEWEST_ROWS:
@@ -181,11 +182,13 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
     known = values[np.isfinite(values)]
     if not known.size:
         return values, []
-    usual = float(np.ptp(np.quantile(known, [0.001, 0.999])))
     before, after = values[:-2], values[2:]
     away = np.abs(values[1:-1] - 0.5 * (before + after))
+    noise = np.nanmedian(away) if np.isfinite(away).any() else 0.0
+    step = float(np.min(np.diff(np.unique(known)), initial=np.inf))
+    far = max(_WILD * float(np.ptp(np.quantile(known, [0.001, 0.999]))), _NOISY * (noise + step))
     wild = np.zeros(len(values), dtype=bool)
-    wild[1:-1] = (away > _WILD * usual) & (away > _ALIKE * np.abs(after - before))
+    wild[1:-1] = (away > far) & (away > _ALIKE * np.abs(after - before))
     if not 0 < wild.sum() <= max(1, len(values) // _FEWEST_ROWS):
         return values, []
     text = 'values far from those of the rows before and after, not used'
