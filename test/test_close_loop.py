@@ -135,7 +135,8 @@ def test_bad_arguments_are_refused(tmp_path, declared, record, arguments):
     assert 'Traceback' not in done.stderr
 
 
-def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared):
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared, number):
     record = write(tmp_path / 'long.csv', timed_columns(seconds=600.0))
     out = tmp_path / 'out'
     out.mkdir()
@@ -147,7 +148,7 @@ def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared):
     while len(list(out.iterdir())) < 2 and time.monotonic() < patience:
         time.sleep(0.1)
     assert len(list(out.iterdir())) == 2  # the temporary folder is there: it works
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, said = process.communicate(timeout=120)
     assert process.returncode == 130, said
     assert 'Traceback' not in said

@@ -10,6 +10,8 @@ import signal
 import threading
 from types import FrameType
 
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
 
 @contextmanager
 def kept_interruption() -> Iterator[Callable[[], None]]:
@@ -19,7 +21,8 @@ def kept_interruption() -> Iterator[Callable[[], None]]:
     SIGINT raises KeyboardInterrupt in whatever Python code runs next. Where that is a callback
     of a weak reference (the import of a module has one), a finaliser or a callback from C, the
     interpreter prints the exception and goes on: who pressed Ctrl-C would wait for the end.
-    Outside the main thread, which alone is given signals, nothing is kept.
+    SIGTERM, which would end the process where it stands, does the same, so that what is half
+    written is removed. Outside the main thread, which alone is given signals, nothing is kept.
     """
     came = threading.Event()
 
@@ -34,8 +37,9 @@ def kept_interruption() -> Iterator[Callable[[], None]]:
     if threading.current_thread() is not threading.main_thread():
         yield check
         return
-    previous = signal.signal(signal.SIGINT, interrupt)
+    previous = {number: signal.signal(number, interrupt) for number in _SIGNALS}
     try:
         yield check
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, handler in previous.items():
+            signal.signal(number, handler)
