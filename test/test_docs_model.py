@@ -35,6 +35,15 @@ def test_location_parameters_units_and_source(name):
         assert f'`{knob.parameter}` ({knob.neutral:g} {unit})' in parameters
 
 
+@pytest.mark.parametrize('name', EFFECTS)
+def test_what_an_effect_needs_to_be_seen_is_told(name):
+    effect = EFFECTS[name]
+    sought = '; '.join(f'`{knob.parameter}` {knob.low:g} to {knob.high:g} '
+                       f'{DESCRIPTIONS[knob.parameter].unit}' for knob in effect.knobs)
+    row = f'| `{name}` | {effect.needs} | {effect.separating_experiment} | {sought} |'
+    assert row in (DOCS / 'close_loop.md').read_text().splitlines()
+
+
 def test_every_parameter_of_an_effect_is_explained():
     for name, description in DESCRIPTIONS.items():
         if description.source == 'neutral: no effect' and not name.startswith('discrepancy'):
