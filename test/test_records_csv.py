@@ -226,9 +226,9 @@ def test_noise_and_flicker_of_a_signal_that_stands_still_are_no_wild_values(tmp_
 
 def test_pressures_that_stay_below_vacuum_are_refused(tmp_path):
     lines = with_value(200, -3e5)
-    lines[200] = lines[200].replace('170000', '-300000').replace('169900', '-300000')
+    lines[200] = lines[200].replace('169900', '-300000')
     with pytest.raises(RecordError, match=(
-            r'row 20\d, column chamber_pressure: -300000 Pa gauge is below vacuum')):
+            r'row 200, column chamber_pressure: -300000 Pa gauge is below vacuum')):
         read_lines(tmp_path, lines)
 
 

@@ -139,23 +139,25 @@ def _usable_rows(
         # a row of currents starts settled at its own; only from the next on it was dwelt on
         usable[0] &= not role.commanded
         return usable
-    ends = set(gap_rows(time).tolist())
-    ends |= set((np.flatnonzero(np.diff(usable.astype(np.int8)) == 1) + 1).tolist())
-    missed = [row for row in ends
-              if any(_misses(time, columns[name], row) for name in role.drives)]
-    for row in missed:
+    resumed = np.flatnonzero(np.diff(usable.astype(np.int8)) == 1) + 1
+    ends = np.union1d(gap_rows(time), resumed)
+    missed = np.any([_misses(time, columns[name], ends) for name in role.drives], axis=0)
+    for row in ends[missed]:
         usable &= (time < time[row]) | (time >= time[row] + SETTLING)
     return usable
 
 
-def _misses(time: Array, drive: Array, row: int) -> bool:
-    """Tell whether a gap before this row hides what moves the chamber."""
-    known = np.flatnonzero(np.isfinite(drive[:row]))
-    if not len(known) or not np.isfinite(drive[row]):
-        return True
-    gap = time[row] - time[known[-1]]
-    changed = abs(drive[row] - drive[known[-1]])
-    return bool(gap > SHORT_GAP or gap * changed > MISSED * np.ptp(drive[np.isfinite(drive)]))
+def _misses(time: Array, drive: Array, rows: Array) -> Array:
+    """Tell of each of these rows whether a gap before it hides what moves the chamber."""
+    known, before = np.isfinite(drive), _last_known(drive)[rows - 1]
+    gap, changed = time[rows] - time[before], np.abs(drive[rows] - drive[before])
+    hides = (gap > SHORT_GAP) | (gap * changed > MISSED * np.ptp(drive[known]))
+    return np.asarray(hides | ~known[rows] | (before < 0))
+
+
+def _last_known(values: Array) -> Array:
+    """Return for each row the last one up to it that has a value, -1 where none has."""
+    return np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), -1))
 
 
 def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
@@ -163,8 +165,7 @@ def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> A
     if not role.commanded:
         return np.zeros(len(next(iter(columns.values()))))
     current = columns['control_current']
-    known = np.isfinite(current)
-    current = current[np.maximum.accumulate(np.where(known, np.arange(len(current)), 0))]
+    current = current[_last_known(current)]  # the first row has one
     if quasi_static:
         # a row of a sweep was read after its own current had stood
         return np.append(current[1:], current[-1:])
