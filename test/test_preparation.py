@@ -341,9 +341,12 @@ def test_a_record_that_begins_with_its_first_command_starts_with_the_converter_w
 
 @pytest.mark.parametrize(('column', 'wrong', 'says'), [
     ('chamber_pressure', lambda p: p + 101_325.0, 'looks like absolute pressure'),
+    ('chamber_pressure', lambda p: 0.01 * p, 'from mbar'),
     ('valve_position', lambda x: x / 0.016, 'declared travel is 0.016 m'),
     ('valve_position', lambda x: 0.1 * x + 0.09, 'declared travel is 0.016 m'),
     ('control_current', lambda i: 0.004 + 16.0 * i, 'the supply has 4e+05'),
+    ('time', lambda t: 1e3 * t, 'if they are 100 milliseconds apart'),
+    ('time', lambda t: t / 3600.0, 'hours apart'),
 ])
 def test_values_of_another_scale_are_refused_before_they_become_an_effect(column, wrong, says):
     columns = step_test()
@@ -360,3 +363,41 @@ def test_a_sensor_that_is_off_by_less_or_by_what_swings_is_no_absolute_pressure(
     for wrong in (given + 60e3, given + 101e3 + 30e3 * np.sin(TIME['time'])):
         columns['chamber_pressure'] = wrong
         assert prepare(record_of(**columns), DECLARED).channels
+
+
+@pytest.mark.parametrize(('wrong', 'says'), [
+    (lambda p: p + 101_325.0, 'looks like absolute'), (lambda p: 0.01 * p, 'from mbar')])
+def test_an_absolute_pressure_and_one_in_mbar_that_drive_the_stem_are_refused(wrong, says):
+    columns = step_test()
+    del columns['control_current']
+    assert prepare(record_of(**columns), DECLARED).drives == ('chamber_pressure',)
+    columns['chamber_pressure'] = wrong(columns['chamber_pressure'])
+    with pytest.raises(RecordError, match=rf'column chamber_pressure: .*{says}'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_high_pressure_that_drives_the_stem_as_declared_is_no_absolute_one():
+    """The stem stays away from its seat, so the pressure is never near that of the atmosphere."""
+    columns = step_test()
+    del columns['control_current']
+    assert columns['chamber_pressure'].min() > 150e3
+    off = DECLARED._replace(actuator=DECLARED.actuator._replace(bench_set=(100e3, 280e3)))
+    assert prepare(record_of(**columns), off).channels == ('valve_position',)
+
+
+@pytest.mark.parametrize(('period', 'step'), [(10.0, 600.0), (5e-4, 0.05)])
+def test_rows_far_apart_or_close_together_are_fine_where_the_valve_moves_like_that(period, step):
+    time = period * np.arange(ROWS)
+    current = np.where(time % (2.0 * step) < step, 0.43e-3, 0.45e-3)
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 170e3})
+    noise = 150.0 * np.random.default_rng(1).standard_normal(ROWS)
+    prepare(record_of(time=time, control_current=current,
+                      chamber_pressure=run['chamber_pressure'] + noise), DECLARED)
+
+
+def test_a_pressure_that_hardly_moves_for_a_leak_is_in_no_other_unit():
+    leaking = DECLARED._replace(actuator=DECLARED.actuator._replace(leak_area=2e-6))
+    columns = step_test()
+    run = simulate(leaking, columns['time'], columns['control_current'], {'chamber_pressure': 20e3})
+    columns['chamber_pressure'] = run['chamber_pressure']
+    assert prepare(record_of(**columns), DECLARED).channels

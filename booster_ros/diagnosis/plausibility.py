@@ -4,14 +4,15 @@
 Values that are possible in their unit, and cannot be of the declared valve.
 
 Fitted all the same, they come out as an effect: of a chamber recorded in absolute pressure a
-process that pushes on the plug is made.
+process that pushes on the plug is made. Or the search runs for minutes and finds nothing.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.experiment import Experiment, rmse
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
@@ -32,6 +33,22 @@ AN_ATMOSPHERE = 6e3
 STEADY = 20e3
 """A chamber is recorded in absolute pressure if it lies an atmosphere above the declared model,
 within the first of these, Pa, and four fifths of the rows within the second of each other."""
+
+MOSTLY_EXPLAINED = 0.3
+"""So is one that drives the stem, is never below the atmosphere, and leaves this share or less of
+the error of the stem's position with an atmosphere taken off."""
+
+FAR_TOO_SMALL = 0.05
+FOLLOWS = 0.9
+"""A pressure is in another unit where it follows that of the declared model (correlation) at this
+share of its size or less: in mbar it is a hundredth, and no effect leaves so little of it."""
+
+SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'minutes': 60.0,
+           'hours': 3600.0, 'days': 86400.0}
+USUAL_STEP = (1e-3, 1.0)
+CLEARLY_BETTER = 0.5
+"""Time is in another unit where rows are not so many seconds apart, would be in it, and the
+declared model then misses by this share or less."""
 
 
 def check_scales(
@@ -58,12 +75,35 @@ def check_scales(
                 'ep_converter.gain and ep_converter.offset are')
 
 
-def check_gauge(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
-    """Raise RecordError where the chamber is an atmosphere above the declared model throughout."""
-    measured = experiment.measured.get('chamber_pressure')
-    if measured is None:
+def check_pressures(
+    experiment: Experiment, declared: PositionerParameters, source: str
+) -> None:
+    """Raise RecordError where a pressure is in another unit, or absolute, as the model shows."""
+    predicted = experiment.predict(declared)
+    for name in ('back_pressure', 'chamber_pressure'):
+        if name in predicted:
+            _check_unit(name, experiment.measured[name], predicted[name], source)
+    if 'chamber_pressure' in predicted:
+        _check_gauge(experiment.measured['chamber_pressure'] - predicted['chamber_pressure'],
+                     source)
+    elif 'chamber_pressure' in experiment.pinned and 'valve_position' in predicted:
+        _check_drive_of_stem(experiment, declared, predicted['valve_position'], source)
+
+
+def _check_unit(name: str, measured: Array, predicted: Array, source: str) -> None:
+    both = np.isfinite(measured) & np.isfinite(predicted)
+    spread = np.std(predicted[both]) if both.any() else 0.0
+    if spread == 0.0 or np.std(measured[both]) == 0.0:
         return
-    above = measured - experiment.predict(declared)['chamber_pressure']
+    alike = float(np.corrcoef(measured[both], predicted[both])[0, 1])
+    share = alike * float(np.std(measured[both]) / spread)
+    if alike > FOLLOWS and share < FAR_TOO_SMALL:
+        raise RecordError(
+            f'{source}, column {name}: moves as the declared model does, at {share:.2g} of its '
+            'size: convert the column to Pa, gauge (from mbar: times 100)')
+
+
+def _check_gauge(above: Array, source: str) -> None:
     if not np.isfinite(above).any():
         return
     low, middle, high = np.nanquantile(above, [0.1, 0.5, 0.9])
@@ -71,3 +111,52 @@ def check_gauge(experiment: Experiment, declared: PositionerParameters, source: 
         raise RecordError(
             f'{source}, column chamber_pressure: lies {middle:.4g} Pa above the declared model '
             'throughout, which looks like absolute pressure: subtract that of the atmosphere')
+
+
+def _check_drive_of_stem(
+    experiment: Experiment, declared: PositionerParameters, predicted: Array, source: str
+) -> None:
+    pressure = experiment.pinned['chamber_pressure']
+    position = experiment.measured['valve_position']
+    opens = np.nanmax(position) > 0.5 * declared.actuator.travel
+    opened_by = declared.actuator.bench_set[1]
+    if opens and np.max(pressure) < FAR_TOO_SMALL * opened_by:
+        raise RecordError(
+            f'{source}, column chamber_pressure: never exceeds {np.max(pressure):.4g} Pa where the '
+            f'declared valve is open at {opened_by:.4g}: convert the column to Pa, gauge (from '
+            'mbar: times 100)')
+    if np.min(pressure) < ATMOSPHERE - AN_ATMOSPHERE:
+        return
+    less = replace(experiment, pinned={
+        **experiment.pinned, 'chamber_pressure': pressure - ATMOSPHERE})
+    every = np.ones(len(position), dtype=bool)
+    given = rmse(position, predicted, every)
+    if rmse(position, less.predict(declared)['valve_position'], every) < MOSTLY_EXPLAINED * given:
+        raise RecordError(
+            f'{source}, column chamber_pressure: is never below {np.min(pressure):.4g} Pa, and the '
+            'declared stem moves as measured with an atmosphere less, which looks like absolute '
+            'pressure: subtract that of the atmosphere')
+
+
+def check_clock(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where time is in another unit than s, as the declared model shows."""
+    step = float(np.median(np.diff(experiment.time)))
+    if USUAL_STEP[0] <= step <= USUAL_STEP[1]:
+        return
+    given = _miss(experiment, declared)
+    for unit, seconds in SECONDS.items():
+        other = replace(experiment, time=seconds * experiment.time)
+        suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
+        if suits and _miss(other, declared) < CLEARLY_BETTER * given:
+            raise RecordError(
+                f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
+                f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
+                'to seconds')
+
+
+def _miss(experiment: Experiment, declared: PositionerParameters) -> float:
+    """Return the error of the declared model, as a share of what each channel does."""
+    predicted = experiment.predict(declared)
+    every = np.ones(len(experiment.time), dtype=bool)
+    return sum(rmse(measured, predicted[name], every) / max(float(np.nanstd(measured)), 1e-12)
+               for name, measured in experiment.measured.items())

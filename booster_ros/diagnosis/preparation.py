@@ -9,7 +9,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
-from booster_ros.diagnosis.plausibility import check_gauge, check_scales
+from booster_ros.diagnosis.plausibility import check_clock, check_pressures, check_scales
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
@@ -87,7 +87,8 @@ def prepare(
     )
     if quasi_static:
         return experiment
-    check_gauge(experiment, declared, record.source)
+    check_clock(experiment, declared, record.source)
+    check_pressures(experiment, declared, record.source)
     if role.commanded and not _evenly_sampled(time):
         experiment = _with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
