@@ -194,8 +194,9 @@ def test_a_single_value_far_from_its_neighbours_is_named_and_not_used(tmp_path, 
     assert np.flatnonzero(np.isnan(record['chamber_pressure'])).tolist() == [198]
     assert np.isfinite(record['valve_position']).all()
     (defect,) = defects(record, 'wild_value')
-    assert str(defect) == ('row 200, column chamber_pressure: 1 values far from those of the rows '
-                           'before and after, not used')
+    assert str(defect) == ('row 200, column chamber_pressure: 1 value far from the rows before '
+                           'and after, not used')
+    assert not defects(record, 'missing_values')
 
 
 def test_steps_and_peaks_that_last_and_signals_that_go_to_and_fro_are_kept(tmp_path):

@@ -256,7 +256,7 @@ def test_the_parameter_file_marks_what_was_added(tmp_path):
 
 @pytest.mark.parametrize(('value', 'digits', 'text'), [
     (0.0, 3, '0'), (151.26, 3, '151'), (0.99999, 3, '1.00'), (-0.01234, 3, '−0.0123'),
-    (123456.7, 4, '123\u2009500'), (2.75e-6, 3, '2.75 × 10⁻⁶'), (5.4034e8, 4, '5.403 × 10⁸'),
+    (123456.7, 4, '123\u202f500'), (2.75e-6, 3, '2.75 × 10⁻⁶'), (5.4034e8, 4, '5.403 × 10⁸'),
     (float('nan'), 3, '–'), (9.996, 3, '10.0'),
 ])
 def test_numbers_have_significant_digits(value, digits, text):
@@ -264,7 +264,7 @@ def test_numbers_have_significant_digits(value, digits, text):
 
 
 @pytest.mark.parametrize(('value', 'unit', 'people', 'physics'), [
-    (2.703e5, 'Pa', '270 kPa', '270\u2009000 Pa'), (8.1e-6, 'm', '8.10 µm', '8.10 × 10⁻⁶ m'),
+    (2.703e5, 'Pa', '270 kPa', '270\u202f000 Pa'), (8.1e-6, 'm', '8.10 µm', '8.10 × 10⁻⁶ m'),
     (0.0128, 'm', '12.8 mm', '0.0128 m'), (0.4524e-3, 'A', '0.452 mA', '0.000452 A'),
     (2.75e-6, 'm^2/N', '2.75 mm²/N', '2.75 × 10⁻⁶ m²/N'), (2e7, 'Pa s/kg', '20.0 kPa/(g/s)',
      '2.00 × 10⁷ Pa·s/kg'), (1.3, '-', '1.30', '1.30'), (550.0, 'N', '550 N', '550 N'),

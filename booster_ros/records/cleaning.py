@@ -40,10 +40,10 @@ def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...
     held = hold_command(columns, rows)
     found += held
     for name in columns:
+        found += missing_runs(name, columns[name], rows)
         columns[name], wild = drop_wild_values(name, columns, rows)
         found += wild
         check_above_vacuum(name, columns[name], rows, source)
-        found += missing_runs(name, columns[name], rows)
         found += resolution(name, columns[name])
     found += start(columns, rows)
     for values in (*columns.values(), rows):
@@ -82,7 +82,7 @@ def _drop_rows_without_time(
     columns: Columns, rows: Array, source: str
 ) -> tuple[Columns, Array, list[Defect]]:
     missing = np.isnan(columns['time'])
-    found = _listed('missing_time', 'time', missing, rows, 'rows without a time, dropped')
+    found = _listed('missing_time', 'time', missing, rows, 'row', 'without a time, dropped')
     return _select(columns, ~missing), rows[~missing], found
 
 
@@ -101,8 +101,8 @@ def _drop_duplicated_stamps(
     repeated = np.append(steps == 0.0, False)
     if len(rows) > 1 and repeated[:-1].all():
         raise RecordError(f'{source}, row {rows[1]}, column time: stands still in all rows')
-    text = 'stamps that come again in the next row, dropped'
-    found = _listed('duplicated_stamp', 'time', repeated, rows, text)
+    text = 'repeated in the next row, dropped'
+    found = _listed('duplicated_stamp', 'time', repeated, rows, 'stamp', text)
     return _select(columns, ~repeated), rows[~repeated], found
 
 
@@ -164,8 +164,9 @@ def hold_command(columns: Columns, rows: Array) -> list[Defect]:
         piece = np.cumsum(piece)
         holdable &= piece == piece[last_known]
     columns['control_current'] = np.where(holdable, values[last_known], values)
-    text = 'missing values, held from the row before'
-    return _listed('missing_command', 'control_current', holdable, rows, text)
+    text = 'held from the row before'
+    return _listed(
+        'missing_command', 'control_current', holdable, rows, 'missing value', text)
 
 
 def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:
@@ -191,14 +192,15 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
     wild[1:-1] = (away > far) & (away > _ALIKE * np.abs(after - before))
     if not 0 < wild.sum() <= max(1, len(values) // _FEWEST_ROWS):
         return values, []
-    text = 'values far from those of the rows before and after, not used'
-    return np.where(wild, np.nan, values), _listed('wild_value', name, wild, rows, text)
+    text = 'far from the rows before and after, not used'
+    return np.where(wild, np.nan, values), _listed(
+        'wild_value', name, wild, rows, 'value', text)
 
 
 def missing_runs(column: str, values: Array, rows: Array) -> list[Defect]:
     """Find the runs of missing values of a column."""
-    text = 'missing values, neither filled nor compared'
-    return _listed('missing_values', column, np.isnan(values), rows, text)
+    text = 'neither filled nor compared'
+    return _listed('missing_values', column, np.isnan(values), rows, 'missing value', text)
 
 
 def resolution(column: str, values: Array) -> list[Defect]:
@@ -235,13 +237,16 @@ def _select(columns: Columns, keep: Array) -> Columns:
     return {name: values[keep] for name, values in columns.items()}
 
 
-def _listed(kind: str, column: str, affected: Array, rows: Array, text: str) -> list[Defect]:
+def _listed(
+    kind: str, column: str, affected: Array, rows: Array, noun: str, text: str
+) -> list[Defect]:
     """Return one defect for each run of affected rows, or one for all where there are many runs."""
     runs = list(_runs(affected))
     if len(runs) > _LISTED_RUNS:
         runs = [(runs[0][0], runs[-1][1])]
     return [
-        Defect(kind, column, int(rows[first]), int(rows[last - 1]), count, f'{count} {text}')
+        Defect(kind, column, int(rows[first]), int(rows[last - 1]), count,
+               f'{count} {noun}{"s" if count > 1 else ""} {text}')
         for first, last in runs
         if (count := int(affected[first:last].sum()))
     ]

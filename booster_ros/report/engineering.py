@@ -39,7 +39,7 @@ _SCALES = {
 _SMALL_LENGTH = 1e-4
 _READ_IN_MICROMETRES = 1e-2
 _MOST_DIGITS = 6
-_THIN_SPACE = '\u2009'
+_THIN_SPACE = '\u202f'  # which does not break over two lines
 
 
 def scale_of(unit: str) -> Scale:
