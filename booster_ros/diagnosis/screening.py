@@ -10,8 +10,8 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
 2. let the reference variables react linearly: z ← z - J⁺ r, priors included; what remains is the
    cost this size can reach;
-3. what remains runs nearly straight from size 0 to e: of the two that promise most try the size at
-   which it is least;
+3. what remains runs nearly straight from size 0 to e: of the six that promise most try the size at
+   which it is least, as promises that are nearly the same are kept differently well;
 4. that reckoning fails where the variables react by much. So a few Gauss-Newton steps follow from
    the best size, with J kept as it is and only the effect's own columns simulated anew (chord
    steps): what they reach is no promise but a cost that was simulated. Not where the stem sticks:
@@ -40,7 +40,7 @@ CHORD_STEPS = 4
 CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
 """Steps with the reference's Jacobian, and the parts of each that are tried."""
 
-LENGTHS = 2
+LENGTHS = 6
 """Trials that are simulated at the size at which what they leave should be least."""
 
 SHORTEST, LONGEST = 1e-3, 2.0
