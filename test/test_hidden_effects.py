@@ -12,11 +12,13 @@ import os
 from hidden_plant import cases
 from hidden_plant.cases import Case, write_case
 from hidden_plant.effects import EFFECTS
+import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import free_to_refit
 from booster_ros.diagnosis.nameless import best_terms
 from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.screening import references, screen
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import split
 from booster_ros.diagnosis.selection import Tried
@@ -63,19 +65,33 @@ def test_what_has_no_name_is_unknown_in_its_place(
     errors_fall_to_the_noise(report)
 
 
+def search_on(effect, size, seed, folder):
+    """Return the search on a record of the hidden plant with this effect."""
+    write_case(Case('hidden', ((effect, EFFECTS[effect].size(size)),), seed=seed), folder)
+    declared = from_values(read_parameter_file(folder / 'hidden.yaml').physical)
+    experiment = prepare(read_record(folder / 'hidden_fit.csv'), declared)
+    return Search(experiment, split(experiment.time, experiment.current), declared,
+                  free_to_refit(declared, experiment))
+
+
 def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
     """Of a large leak: the refit of the declared parameters goes far to imitate it."""
-    effect = EFFECTS['leak_opens_with_travel']
-    write_case(Case('hidden', (('leak_opens_with_travel', effect.size('large')),), seed=110043),
-               tmp_path)
-    declared = from_values(read_parameter_file(tmp_path / 'hidden.yaml').physical)
-    experiment = prepare(read_record(tmp_path / 'hidden_fit.csv'), declared)
-    search = Search(experiment, split(experiment.time, experiment.current), declared,
-                    free_to_refit(declared, experiment))
+    search = search_on('leak_opens_with_travel', 'large', 110043, tmp_path)
     refit = search.refit()
     best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
     assert best.effects[0].startswith('unknown: chamber over ')
     assert best.misfit < 1.3
+
+
+def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_what_it_is(tmp_path):
+    """Of a large flow force on the plugs; the refit goes far to imitate it."""
+    search = search_on('plug_flow_force', 'large', 110014, tmp_path)
+    refit = search.refit()
+    around = references(refit.problem, refit.problem.at(refit.fit.z))
+    costs = {name: screen(refit.problem, around, name, np.array([0.5])).cost
+             for name in ('plug_flow_force', 'dead_volume_change', 'booster_dead_band')}
+    assert min(costs, key=costs.get) == 'plug_flow_force'
+    assert costs['plug_flow_force'] < 0.8 * refit.fit.cost
 
 
 @minutes
