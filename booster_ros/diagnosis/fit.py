@@ -29,10 +29,11 @@ Array = np.ndarray
 _POOL = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
 
 DIFFERENCE = 2e-3
-VISIBLE = 10.0
+VISIBLE, VISIBLE_THROUGH_SLIPS = 10.0, 100.0
 """
 Steps of the Jacobian's differences in z: the first, and how far (norm of the scaled residuals'
-change) later ones go. Larger ones bend, smaller ones drown in the solver's own error.
+change) later ones go. Larger ones bend, smaller ones drown in the solver's own error; where the
+stem sticks, in a cost that is rough with when each slip comes: the second figure sees through that.
 """
 
 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
@@ -212,12 +213,18 @@ class Fit:
 
 @dataclass(frozen=True)
 class Problem:
-    """What is to be fitted: an experiment, the rows that count, and the given parameters."""
+    """
+    What is to be fitted: an experiment, the rows that count, and the given parameters.
+
+    `fine` forms slopes of a stem that sticks over short ways, as those of any other: for an end
+    that is compared with another to a few percent, not for getting there.
+    """
 
     experiment: Experiment
     rows: Array
     base: PositionerParameters
     freedoms: tuple[Free, ...]
+    fine: bool = False
 
     @property
     def nuisances(self) -> int:
@@ -283,7 +290,7 @@ class Problem:
         steps = np.full(len(z), DIFFERENCE)
         if before is not None:
             length = np.maximum(np.linalg.norm(before, axis=0), 1e-9)
-            steps = np.clip(VISIBLE / length, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
+            steps = np.clip(self._visible(z) / length, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
 
         def column(j: int) -> Array:
             step = steps[j]
@@ -301,6 +308,10 @@ class Problem:
         for j in silent:  # its prior is all that such a variable moves
             columns[len(here) + j - len(z), j] = 1.0 / START[j - len(self.freedoms)]
         return columns
+
+    def _visible(self, z: Array) -> float:
+        rough = has_dry_friction(self.parameters(z).actuator) and not self.fine
+        return VISIBLE_THROUGH_SLIPS if rough else VISIBLE
 
     def _silent(self, z: Array) -> list[int]:
         """Return the variables of the start that cannot matter: a place in no play, say."""

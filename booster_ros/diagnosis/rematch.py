@@ -18,6 +18,8 @@ they share with the choice, or with what is seen above the stem where they diffe
 plainest of those not told apart is taken.
 """
 
+from dataclasses import replace
+
 from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
 from booster_ros.diagnosis.cascade import as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.indistinct import alike
@@ -73,7 +75,7 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
                 z[j] = 0.0
         if any(map(shows_above_the_stem, set(one.effects) - set(chosen.effects))):
             z = as_seen_above(search, one, z, ('fit',))
-        fit = one.problem.fit(z, evaluations=EVALUATIONS)
+        fit = replace(one.problem, fine=True).fit(z, evaluations=EVALUATIONS)
         again.append(search.rate(one.effects, one.problem, fit))
     return preferred_first(again)
 
