@@ -59,7 +59,8 @@ def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob) ->
     return Effect(name, location, knobs, meaning, needs, experiment, source)
 
 
-_PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 1e9, 0.0, inverse=1, shape=True)
+# a stiffer packing yields less than sensors tell; a rigid one says the same and is simulated faster
+_PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 2e8, 0.0, inverse=1, shape=True)
 
 _ROWS = (
     _effect(
