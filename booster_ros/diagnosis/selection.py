@@ -25,7 +25,7 @@ named effects, two where the stem sticks. Numbered as carried out:
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import itertools
 
 import numpy as np
@@ -133,6 +133,7 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
                 return taught
         ranked = _round(search, parent, level, tell)
         everything += ranked
+        ranked = _all_taught(search, ranked, everything)
         if ranked and _adds(ranked[0], chosen, refit):
             chosen = ranked[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
@@ -204,9 +205,12 @@ def _explained(chosen: Candidate, refit: Candidate) -> bool:
     """
     if has_dry_friction(chosen.fit.parameters.actuator) and _idealised(chosen, refit):
         return True
-    fitted = chosen.fit.cost < NEAR_NOISE * chosen.problem.rows_counted()
     return chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (
-        bool(chosen.effects) or fitted)
+        bool(chosen.effects) or _fitted_to_noise(chosen))
+
+
+def _fitted_to_noise(chosen: Candidate) -> bool:
+    return chosen.fit.cost < NEAR_NOISE * chosen.problem.rows_counted()
 
 
 def _taught(search: Search, chosen: Candidate) -> Candidate | None:
@@ -214,15 +218,34 @@ def _taught(search: Search, chosen: Candidate) -> Candidate | None:
     Return the same model fitted to the select segments as well, if that leaves noise.
 
     Then these showed what the fit segments could not teach, a limit that none of them reached, say,
-    and nothing is missing. It must be noise in each of them: what shows in few is no noise. Not
-    where the stem sticks: that fit takes minutes.
+    and nothing is missing. It must be noise in each of them: what shows in few is no noise. Where
+    the stem sticks only if the fit segments are noise already: that fit takes long.
     """
-    if has_dry_friction(chosen.fit.parameters.actuator):
+    if has_dry_friction(chosen.fit.parameters.actuator) and not _fitted_to_noise(chosen):
         return None
     both = search.on_both(chosen, search.thinning)
-    noise = both.fit.cost < NEAR_NOISE * both.problem.rows_counted() and (
+    noise = _fitted_to_noise(both) and (
         both.by_segment <= PATCH * search.values_held_back()).all()
     return both if noise and both.prior < PLAUSIBLE else None
+
+
+def _all_taught(search: Search, ranked: list[Candidate], everything: list[Candidate]
+                ) -> list[Candidate]:
+    """
+    Return the models of a round, best first, some of them taught by the select segments as well.
+
+    A model that leaves noise wherever it was fitted may miss a segment that it was not fitted to:
+    the only one that shows how far the booster opens, say. That is no fault of its effect.
+    """
+    learnt = []
+    for one in ranked:
+        learns = not one.fault and one.misfit > NEAR_NOISE and _fitted_to_noise(one)
+        taught = _taught(search, one) if learns else None
+        if taught is not None:
+            one = replace(taught, confirmed=one.confirmed)
+            everything.append(one)
+        learnt.append(one)
+    return preferred_first(learnt)
 
 
 def _idealised(chosen: Candidate, refit: Candidate) -> bool:
