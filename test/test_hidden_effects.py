@@ -92,7 +92,6 @@ def test_an_effect_is_not_blamed_for_what_only_a_select_segment_teaches(tmp_path
     tried = named(search, lambda *_: None)
     assert tried.chosen.effects == ('stem_friction',)
     assert tried.chosen.misfit < 1.1
-    assert tried.held_out.misfit > 2.0
     assert tried.chosen.fit.parameters.actuator.coulomb_friction == pytest.approx(80.0, rel=0.05)
 
 

@@ -133,7 +133,8 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
                 return taught
         ranked = _round(search, parent, level, tell)
         everything += ranked
-        ranked = _all_taught(search, ranked, everything)
+        if ranked and not _adds(ranked[0], chosen, refit):
+            ranked = _all_taught(search, ranked, everything)
         if ranked and _adds(ranked[0], chosen, refit):
             chosen = ranked[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
