@@ -220,6 +220,18 @@ def test_what_only_the_select_segments_teach_is_nothing_missing():
     assert best_terms(search, tried) == []
 
 
+def test_an_effect_is_not_blamed_for_what_only_a_select_segment_teaches():
+    """The same and a leak: alone it raises the error there, as the refit imitates both at once."""
+    plant = put(put(P, 'booster.max_area', 0.93 * P.booster.max_area), 'actuator.leak_area', 1e-8)
+    level = np.array([4.3, 4.5, 4.3, 4.5, 3.4, 3.6, 3.8, 4.0, 4.2, 4.4, 4.3, 4.4, 4.3, 4.4, 4.3])
+    search = searching(steps_seen(plant, level, 1.9e5, seed=4), ('chamber_leak',))
+    tried = named(search, lambda *_: None)
+    assert tried.chosen.effects == ('chamber_leak',)
+    assert tried.chosen.misfit < 1.1
+    assert tried.held_out.misfit > tried.refit.misfit
+    assert tried.chosen.fit.parameters.actuator.leak_area == pytest.approx(1e-8, rel=0.2)
+
+
 def test_what_few_select_segments_teach_is_noise_also_where_values_are_missing_unevenly():
     """A segment is judged by its own values: one without gaps has more than the average."""
     experiment = seen(P, current=CURRENT, seed=3)

@@ -6,7 +6,6 @@ Effects that the catalogue does not have, and two at once, hidden in a plant of 
 One of either kind always runs; with BOOSTER_ROS_ALL_SAMPLES in the environment, all do.
 """
 
-from dataclasses import replace
 import json
 import os
 
@@ -22,7 +21,7 @@ from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.screening import references, screen
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import split
-from booster_ros.diagnosis.selection import Tried, named
+from booster_ros.diagnosis.selection import Tried
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
 from booster_ros.programs.close_loop import main
@@ -66,10 +65,9 @@ def test_what_has_no_name_is_unknown_in_its_place(
     errors_fall_to_the_noise(report)
 
 
-def search_on(effect, size, seed, folder, noise=1.0):
+def search_on(effect, size, seed, folder):
     """Return the search on a record of the hidden plant with this effect."""
-    write_case(Case('hidden', ((effect, EFFECTS[effect].size(size)),), seed=seed, noise=noise),
-               folder)
+    write_case(Case('hidden', ((effect, EFFECTS[effect].size(size)),), seed=seed), folder)
     declared = from_values(read_parameter_file(folder / 'hidden.yaml').physical)
     experiment = prepare(read_record(folder / 'hidden_fit.csv'), declared)
     return Search(experiment, split(experiment.time, experiment.current), declared,
@@ -83,16 +81,6 @@ def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
     best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
     assert best.effects[0].startswith('unknown: chamber over ')
     assert best.misfit < 1.3
-
-
-def test_an_effect_is_not_blamed_for_what_only_a_select_segment_teaches(tmp_path):
-    """Sliding friction leaves noise; how far the booster opens shows in one select segment only."""
-    search = replace(search_on('stem_friction_coulomb', 'medium', 110024, tmp_path, noise=3.0),
-                     names=('stem_friction',))
-    tried = named(search, lambda *_: None)
-    assert tried.chosen.effects == ('stem_friction',)
-    assert tried.chosen.misfit < 1.1
-    assert tried.chosen.fit.parameters.actuator.coulomb_friction == pytest.approx(80.0, rel=0.05)
 
 
 def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_what_it_is(tmp_path):
