@@ -207,11 +207,15 @@ def selected(search):
     return compared(search, named(search, lambda *_: None), lambda *_: None)
 
 
+# 0.1 mA; one step opens the booster fully, in a select segment
+ONE_LARGE_STEP = np.array(
+    [4.3, 4.5, 4.3, 4.5, 3.4, 3.6, 3.8, 4.0, 4.2, 4.4, 4.3, 4.4, 4.3, 4.4, 4.3])
+
+
 def test_what_only_the_select_segments_teach_is_nothing_missing():
     """One select segment needs the largest opening, no fit segment does: it is a little off."""
     plant = put(P, 'booster.max_area', 0.93 * P.booster.max_area)
-    level = np.array([4.3, 4.5, 4.3, 4.5, 3.4, 3.6, 3.8, 4.0, 4.2, 4.4, 4.3, 4.4, 4.3, 4.4, 4.3])
-    search = searching(steps_seen(plant, level, 1.9e5, seed=4), ())
+    search = searching(steps_seen(plant, ONE_LARGE_STEP, 1.9e5, seed=4), ())
     assert next(s for s in search.segments if s.first <= 1001 < s.last).role == 'select'
     tried = selected(search)
     assert tried.refit.misfit > 1.3
@@ -223,8 +227,7 @@ def test_what_only_the_select_segments_teach_is_nothing_missing():
 def test_an_effect_is_not_blamed_for_what_only_a_select_segment_teaches():
     """The same and a leak: alone it raises the error there, as the refit imitates both at once."""
     plant = put(put(P, 'booster.max_area', 0.93 * P.booster.max_area), 'actuator.leak_area', 1e-8)
-    level = np.array([4.3, 4.5, 4.3, 4.5, 3.4, 3.6, 3.8, 4.0, 4.2, 4.4, 4.3, 4.4, 4.3, 4.4, 4.3])
-    search = searching(steps_seen(plant, level, 1.9e5, seed=4), ('chamber_leak',))
+    search = searching(steps_seen(plant, ONE_LARGE_STEP, 1.9e5, seed=4), ('chamber_leak',))
     tried = named(search, lambda *_: None)
     assert tried.chosen.effects == ('chamber_leak',)
     assert tried.chosen.misfit < 1.1

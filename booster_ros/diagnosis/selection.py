@@ -18,7 +18,8 @@ named effects, two where the stem sticks. Numbered as carried out:
    what noise does not explain; where the stem sticks, what lies above it is sought with the stem
    driven as measured (see cascade). Where noise could be all from the start, an effect must lower
    the cost of the fit clearly as well. What an effect leaves on thinned rows must be left on every
-   row before a next one is looked for;
+   row before a next one is looked for. Where no effect is called for, models that leave noise on
+   the fit segments learn from the select segments what those alone show, and count with that;
 6. try every other effect in the place of each of several, then leave each out again; not where a
    term without a name leaves far less than all of them together (see nameless);
 7. models near the choice are fitted to every row and compared once more (see rematch).
