@@ -10,7 +10,7 @@ from hidden_plant.confusion.figure import write_matrix
 from hidden_plant.confusion.judging import OUTCOMES, Found, judge
 from hidden_plant.confusion.page import page, share
 from hidden_plant.confusion.running import Result, Results, RunError, run_cells
-from hidden_plant.effects import CATALOGUED, EFFECTS, UNCATALOGUED
+from hidden_plant.effects import EFFECTS
 import pytest
 
 LEAK = Found('chamber_leak', 'chamber')
@@ -55,7 +55,7 @@ def test_every_effect_named_as_it_is_in_its_place_is_right():
 
 def test_cells_are_all_different_and_share_a_valve_over_sizes_and_noises():
     cells = cells_of(['all', 'pairs'], ['small', 'large'], [1.0, 3.0], 4, 3, 'mixed', 'samples')
-    singles, pairs = len(CATALOGUED) + len(UNCATALOGUED), len(GROUPS['pairs'])
+    singles, pairs = len(EFFECTS), len(GROUPS['pairs'])
     assert len(cells) == 2 * (2 * (singles + pairs) + 3)
     assert len({cell.label for cell in cells}) == len(set(cells)) == len(cells)
     seeds = {}

@@ -126,6 +126,25 @@ def test_stick_slip_jumps_further_than_coulomb_friction():
     assert largest_jump('stem_friction_stick_slip') > 3.0 * largest_jump('stem_friction_coulomb')
 
 
+def test_a_packing_that_yields_gives_way_like_a_spring_before_it_slides():
+    settle, away = np.full(1000, 0.43e-3), np.full(500, 0.4305e-3)
+    there_and_back = np.concatenate([settle, away, settle])
+
+    def way(key: str) -> tuple[float, float, float]:
+        """Return the change of pressure (Pa), how far the stem goes and comes back (m)."""
+        rows = run(with_effect(key, 'large'), there_and_back, 0.0)
+        position, pressure = column(rows, 'valve_position'), column(rows, 'chamber_pressure')
+        return (pressure[1400] - pressure[990], position[1400] - position[990],
+                position[1400] - position[2400])
+
+    pressure, there, back = way('stem_friction_yielding')
+    force = 0.0796 * pressure
+    assert 50.0 < force < 350.0  # that does not make it slide
+    assert there == pytest.approx(force / (3e7 + 0.0796 * 150e3 / 0.016), rel=0.3)
+    assert back == pytest.approx(there, rel=0.3)
+    assert way('stem_friction')[1:] == (0.0, 0.0)
+
+
 def test_air_enters_an_insulated_chamber_as_warm_as_the_supply():
     valve = with_effect('heat_transfer')
     valve = valve._replace(chamber=valve.chamber._replace(wall_resistance=1e9))

@@ -30,6 +30,7 @@ THINNING = 3
 
 _PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
 _PARAMETERS = ('actuator.dead_volume',)
+_IMITATES = 'actuator.viscous_friction'
 
 
 def above_the_stem(experiment: Experiment) -> Experiment | None:
@@ -82,7 +83,8 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     Return z with what lies above a stem that sticks as the measured stem tells it.
 
     What was fitted before friction was in the model had imitated it, and a fit of all at once
-    stays there: which slip comes when makes its cost rough. Above the stem nothing is rough.
+    stays there: which slip comes when makes its cost rough. Above the stem nothing is rough. Of the
+    stem itself viscous friction had imitated the other kind: it is as declared.
     """
     above = search_above(search, candidate.fit)
     if above is None:
@@ -90,7 +92,11 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     effects = tuple(e for e in candidate.effects if shows_above_the_stem(e))
     upper = above.on(above.joint(above.problem(), effects), roles, above.thinning)
     fitted = upper.fit(as_given(upper, carried(upper, candidate.fit)))
-    body = carried(candidate.problem, candidate.fit, fitted)[:len(candidate.problem.freedoms)]
+    freedoms = candidate.problem.freedoms
+    body = carried(candidate.problem, candidate.fit, fitted)[:len(freedoms)]
+    for j, free in enumerate(freedoms):
+        if free.knob.parameter == _IMITATES:
+            body[j] = 0.0
     return np.concatenate([body, z[len(body):]])
 
 
@@ -98,7 +104,7 @@ def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
     """Return the model of a stem that sticks, fitted on from what is seen above the stem."""
     problem = candidate.problem
     start = as_seen_above(search, candidate, candidate.fit.z, ('fit',))
-    fit = problem.fit(start, evaluations=EVALUATIONS)
+    fit = problem.fit_through_slips(start, EVALUATIONS)
     if fit.cost >= candidate.fit.cost:
         return candidate
     better = search.rate(candidate.effects, problem, fit)

@@ -11,13 +11,14 @@ by bounded trust-region least squares (scipy), with the columns of the Jacobian 
 side: the compiled model gives up Python's lock.
 """
 
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 import os
 
 import numpy as np
 
-from booster_ros.diagnosis.descent import descend
+from booster_ros.diagnosis.descent import Residuals, descend
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import Effect, Knob
@@ -34,6 +35,12 @@ VISIBLE, VISIBLE_THROUGH_SLIPS = 10.0, 100.0
 Steps of the Jacobian's differences in z: the first, and how far (norm of the scaled residuals'
 change) later ones go. Larger ones bend, smaller ones drown in the solver's own error; where the
 stem sticks, in a cost that is rough with when each slip comes: the second figure sees through that.
+"""
+
+SLIPS = 1.0
+"""
+Time in s over which residuals are averaged for a fit of means: many slips of a stem that sticks,
+few moves of the valve.
 """
 
 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
@@ -266,15 +273,37 @@ class Problem:
 
     def residuals(self, z: Array) -> Array:
         """Return the scaled residuals of all marked rows, priors behind them."""
-        predicted = self.predict(z)
+        return self._with_priors(z, [scaled for _, scaled in self._scaled(z)])
+
+    def means(self, z: Array) -> Array:
+        """Return the means of residuals over `SLIPS`, scaled to their own noise, and priors."""
         parts = []
+        for rows, scaled in self._scaled(z):
+            _, window, count = np.unique(
+                self.windows()[rows], return_inverse=True, return_counts=True)
+            parts.append(np.bincount(window, scaled) / np.sqrt(count))
+        return self._with_priors(z, parts)
+
+    def windows(self) -> Array:
+        """Return to which of the means each row belongs, shape (n,)."""
+        return np.floor(self.experiment.time / SLIPS)
+
+    def slopes_of_means(self, z: Array, here: Array, before: Array | None = None) -> Array:
+        """Return d(means)/dz as `jacobian` does; `here` are the means at z."""
+        return self._slopes(self.means, z, here, before)
+
+    def _scaled(self, z: Array) -> Iterator[tuple[Array, Array]]:
+        """Yield the marked rows of each channel and their scaled residuals."""
+        predicted = self.predict(z)
         for name, measured in self.experiment.measured.items():
             rows = self.rows & np.isfinite(measured)
             if predicted is None:
-                parts.append(np.full(int(rows.sum()), FAR))
+                yield rows, np.full(int(rows.sum()), FAR)
                 continue
             scaled = (measured[rows] - predicted[name][rows]) / self.experiment.noise[name]
-            parts.append(np.nan_to_num(scaled, nan=FAR, posinf=FAR, neginf=-FAR))
+            yield rows, np.nan_to_num(scaled, nan=FAR, posinf=FAR, neginf=-FAR)
+
+    def _with_priors(self, z: Array, parts: list[Array]) -> Array:
         priors = [variable / free.sigma for free, variable in zip(self.freedoms, z)
                   if np.isfinite(free.sigma)]
         start = z[len(self.freedoms):] / START if self.nuisances else []
@@ -287,6 +316,9 @@ class Problem:
         `here` are the residuals at z; `before` is an earlier one, which tells how far to go in each
         variable.
         """
+        return self._slopes(self.residuals, z, here, before)
+
+    def _slopes(self, residuals: Residuals, z: Array, here: Array, before: Array | None) -> Array:
         steps = np.full(len(z), DIFFERENCE)
         if before is not None:
             length = np.maximum(np.linalg.norm(before, axis=0), 1e-9)
@@ -298,7 +330,7 @@ class Problem:
                 step = -step
             moved = z.copy()
             moved[j] += step
-            return (self.residuals(moved) - here) / step
+            return (residuals(moved) - here) / step
 
         silent = self._silent(z)
         columns = np.zeros((len(here), len(z)))
@@ -356,10 +388,23 @@ class Problem:
 
     def fit(self, z: Array | None = None, evaluations: int = 20) -> Fit:
         """Return the best fit from z on (default: from the given parameters)."""
-        low, high = self.bounds()
-        begin = self.start() if z is None else z
-        margin = 1e-6 * np.minimum(high - low, 1.0)
-        begin = np.clip(begin, low + margin, high - margin)
-        found = descend(self.residuals, self.jacobian, begin, low, high, evaluations)
+        begin = self._inside(self.start() if z is None else z)
+        found = descend(self.residuals, self.jacobian, begin, *self.bounds(), evaluations)
         p = self.parameters(found.z)
         return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)
+
+    def fit_through_slips(self, z: Array, evaluations: int = 20) -> Fit:
+        """
+        Return the best fit from where the means over `SLIPS` fit best, seen from z.
+
+        How much friction there is shows in the means, which slip comes when does not: it makes the
+        cost of all rows rough, and their fit ends where the phase of some slips happens to suit.
+        """
+        found = descend(
+            self.means, self.slopes_of_means, self._inside(z), *self.bounds(), evaluations)
+        return self.fit(found.z, evaluations)
+
+    def _inside(self, z: Array) -> Array:
+        low, high = self.bounds()
+        margin = 1e-6 * np.minimum(high - low, 1.0)
+        return np.clip(z, low + margin, high - margin)

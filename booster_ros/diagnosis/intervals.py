@@ -39,14 +39,37 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
     run along a line through nonsense: a drift of half the size in half the time is the same drift
     while it is young, and where the size is none the shape is nothing.
     """
-    residual = problem.residuals(fit.z)
-    jacobian = fit.jacobian
+    label = _labels(problem, _blocks(problem, fit, of_row))
+    return _draws(problem, fit, problem.residuals(fit.z), fit.jacobian, label, seed)
+
+
+def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) -> Array:
+    """
+    Return draws as `block_bootstrap` does, of the means in which single slips do not show.
+
+    Where the stem sticks, slopes of single rows say when slips come, as if the model could repeat
+    each of them: intervals from those are far too narrow.
+    """
+    of_row = _blocks(problem, fit, of_row)
+    here = problem.means(fit.z)
+    slopes = problem.slopes_of_means(fit.z, here, problem.slopes_of_means(fit.z, here))
+    label = np.concatenate([
+        of_row[rows][np.unique(problem.windows()[rows], return_index=True)[1]]
+        for rows in (problem.rows & np.isfinite(m) for m in problem.experiment.measured.values())])
+    return _draws(problem, fit, here, slopes, label, seed)
+
+
+def _blocks(problem: Problem, fit: Fit, of_row: Array) -> Array:
+    """Return the segment of each row, cut into parts where there are few or few of them tell."""
     segments = len(np.unique(of_row[problem.rows]))
     if segments < FEWEST_BLOCKS:
         of_row = _cut(of_row, -(-FEWEST_BLOCKS // segments))
-    label = _labels(problem, of_row)
-    if _shows_in_few(problem, fit, label):
-        label = _labels(problem, _cut(of_row, FEWEST_BLOCKS))
+    in_few = _shows_in_few(problem, fit, _labels(problem, of_row))
+    return _cut(of_row, FEWEST_BLOCKS) if in_few else of_row
+
+
+def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: Array, seed: int
+           ) -> Array:
     data = len(label)
     blocks = np.unique(label)
     size = len(fit.z)

@@ -14,7 +14,8 @@ import numpy as np
 from booster_ros.diagnosis.candidate import NEAR_NOISE, WORTH_ADDING, Candidate
 from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.fit import Fit, Problem
-from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
+from booster_ros.diagnosis.intervals import (
+    block_bootstrap, block_bootstrap_of_means, undetermined)
 from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
 from booster_ros.diagnosis.search import (
     EVALUATIONS, WORTH_A_LAST_POLISHING, Search, as_given, polished)
@@ -54,7 +55,9 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
     if not tried.chosen.effects:
         return 'none', tried, before
     last = last_fit(search, tried.chosen)
-    draws = block_bootstrap(
+    bootstrap = block_bootstrap_of_means if has_dry_friction(
+        last.fit.parameters.actuator) else block_bootstrap
+    draws = bootstrap(
         last.problem, last.fit, segment_of_row(search.segments, len(search.experiment.time)))
     for name in tried.chosen.effects:
         fault = undetermined(last.problem, draws, last.fit, name)
@@ -69,8 +72,10 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
 
     Where that leaves more than noise, once more from another start, as the declared parameters may
     have ended in a corner where they imitated the effect before it was there: from those given and
-    typical shapes, or, where the stem sticks, from what is seen above it. A table has no typical
-    shape, and one over the stem's velocity can swing on the way from nothing: minutes a fit.
+    typical shapes, or, where the stem sticks, from what is seen above it, and through the slips.
+    Which of these two ends says more of the friction shows in their means: single slips are chance.
+    A table has no typical shape, and one over the stem's velocity can swing on the way from
+    nothing: minutes a fit.
     """
     problem = search.on(candidate.problem, USED, 1)
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
@@ -80,9 +85,14 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
     if enough or not candidate.effects or candidate.effects[0].startswith(UNNAMED):
         return LastFit(problem, problem.without_unseen(fit))
-    other = as_seen_above(search, candidate, fit.z, USED) if dry else as_given(problem, fit.z)
-    again = problem.fit(other, evaluations=EVALUATIONS)
-    return LastFit(problem, problem.without_unseen(min(fit, again, key=lambda found: found.cost)))
+    if dry:
+        above = as_seen_above(search, candidate, fit.z, USED)
+        again = problem.fit_through_slips(above, EVALUATIONS)
+        fit = min(fit, again, key=lambda found: float(np.sum(problem.means(found.z)**2)))
+    else:
+        again = problem.fit(as_given(problem, fit.z), evaluations=EVALUATIONS)
+        fit = min(fit, again, key=lambda found: found.cost)
+    return LastFit(problem, problem.without_unseen(fit))
 
 
 def _term(search: Search, candidate: Candidate, before: LastFit) -> LastFit:

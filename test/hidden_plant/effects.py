@@ -257,4 +257,15 @@ UNCATALOGUED: dict[str, Effect] = {
     ),
 }
 
-EFFECTS: dict[str, Effect] = {**CATALOGUED, **UNCATALOGUED}
+# apart, and last: what is drawn for the others goes with how many there are and with their places
+VARIANTS: dict[str, Effect] = {
+    'stem_friction_yielding': Effect(
+        'stem',
+        ('stem_friction',),
+        {'stem.coulomb': 1.0},
+        (15.0, 80.0, 350.0),
+        fixed={'stem.stiction': 0.35, 'stem.packing_stiffness': 3e7},
+    ),
+}
+
+EFFECTS: dict[str, Effect] = {**CATALOGUED, **UNCATALOGUED, **VARIANTS}

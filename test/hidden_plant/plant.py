@@ -72,12 +72,14 @@ def run(valve, currents, start_time):
     line_area = 1.0 / line.resistance if has_line else 0.0
     wall = supply.temperature
     critical = booster.critical_ratio
-    stem_steps = SLIP_STEPS if stem.stiction > 0.0 else 1
+    yields = stem.coulomb > 0.0 and stem.packing_stiffness > 0.0
+    stem_steps = SLIP_STEPS if stem.stiction > 0.0 or yields else 1
 
     flapper = currents[0]
     late_flapper = flapper
     back, gauge, x = balance(valve, flapper)
     v = 0.0
+    deflection = 0.0
     relaxed_x = x
     supply_pressure = supply.pressure
     spool = 0.0
@@ -151,7 +153,12 @@ def run(valve, currents, start_time):
                 - spindle.fluid_force(stem, x)
                 + spindle.stop_force(stem, x, v)
             )
-            v = spindle.next_velocity(stem, x, v, pull, gauge, STEP / stem_steps)
+            if yields:
+                v, deflection = spindle.next_velocity_yielding(
+                    stem, x, v, deflection, pull, gauge, STEP / stem_steps
+                )
+            else:
+                v = spindle.next_velocity(stem, x, v, pull, gauge, STEP / stem_steps)
             x += STEP / stem_steps * v
         relaxed_x += relax_share * (x - relaxed_x)
 

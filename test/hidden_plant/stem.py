@@ -22,6 +22,8 @@ class Stem(NamedTuple):
     coulomb: float = 0.0  # N
     stiction: float = 0.0  # relative excess of break-away over sliding friction
     stribeck_speed: float = 1e-3  # m/s
+    packing_stiffness: float = 0.0  # N/m, of a packing that yields before it slides, 0: it sticks
+    packing_damping: float = 0.3  # share of critical, of the stem held by such a packing
     coulomb_rise: float = 0.0  # N, added at full travel, in proportion to travel
     drag: float = 0.0  # m², sliding friction per chamber pressure
     hardening: float = 0.0  # relative excess of spring force at full travel, parabolic
@@ -79,7 +81,7 @@ def sliding_friction(stem, position, chamber_pressure):
 @njit(cache=True)
 def next_velocity(stem, position, velocity, force, chamber_pressure, step):
     """
-    Return the velocity in m/s one step later under all forces but friction.
+    Return the velocity in m/s one step later under all forces but friction; the packing sticks.
 
     A stem at rest stays at exactly 0 until the force exceeds the break-away friction; a moving one
     comes to rest in the step in which its velocity would change sign.
@@ -98,3 +100,24 @@ def next_velocity(stem, position, velocity, force, chamber_pressure, step):
     if break_away + jam > 0.0 and velocity_next * velocity <= 0.0:
         return 0.0
     return velocity_next
+
+
+@njit(cache=True)
+def next_velocity_yielding(
+    stem, position, velocity, deflection, force, chamber_pressure, step
+):
+    """
+    Return velocity (m/s) and deflection of the packing (m) one step later; the packing yields.
+
+    It is a spring with a dashpot that takes the stem's way up to where it begins to slide, which is
+    at less force the faster the stem moves.
+    """
+    sliding = sliding_friction(stem, position, chamber_pressure)
+    stribeck = math.exp(-((velocity / stem.stribeck_speed) ** 2))
+    most = sliding * (1.0 + stem.stiction * stribeck) / stem.packing_stiffness
+    yielding = velocity - abs(velocity) * deflection / most
+    dashpot = stem.packing_damping * 2.0 * math.sqrt(stem.packing_stiffness * stem.mass)
+    friction = stem.packing_stiffness * deflection + dashpot * yielding
+    inertia = stem.mass + step * stem.viscous_friction
+    velocity = (stem.mass * velocity + step * (force - friction)) / inertia
+    return velocity, deflection + step * yielding

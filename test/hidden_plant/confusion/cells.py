@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass
 
 from ..campaigns import PAIRS
 from ..cases import Case
-from ..effects import CATALOGUED, EFFECTS, SIZES, UNCATALOGUED
+from ..effects import CATALOGUED, EFFECTS, SIZES, UNCATALOGUED, VARIANTS
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    'catalogued': tuple(CATALOGUED),
+    'catalogued': (*CATALOGUED, *VARIANTS),
     'uncatalogued': tuple(UNCATALOGUED),
     'pairs': tuple('+'.join(pair) for pair in PAIRS),
     'none': ('none',),

@@ -9,7 +9,7 @@ import textwrap
 
 from scipy.stats import binomtest
 
-from ..effects import CATALOGUED, EFFECTS, UNCATALOGUED
+from ..effects import EFFECTS, UNCATALOGUED
 from .cells import NO_SIZE
 from .judging import OUTCOMES
 from .running import Result
@@ -166,4 +166,4 @@ def actual_of(result: Result) -> str:
     if not result.cell.keys:
         return 'none'
     key = result.cell.keys[0]
-    return EFFECTS[key].names[0] if key in CATALOGUED else key
+    return key if key in UNCATALOGUED else EFFECTS[key].names[0]
