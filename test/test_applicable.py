@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit, matters
-from booster_ros.diagnosis.fit import declared_freedom, put
+from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.gas import ISENTROPIC

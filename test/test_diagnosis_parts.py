@@ -12,7 +12,8 @@ from booster_ros.diagnosis.candidate import NEAR_NOISE
 from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import START, Problem, declared_freedom, put
+from booster_ros.diagnosis.fit import START, Problem
+from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.last_fit import last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare

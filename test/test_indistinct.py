@@ -9,7 +9,7 @@ import pytest
 
 from booster_ros.diagnosis.applicable import applicable
 from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import declared_freedom, put
+from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.indistinct import alike
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.screening import references, screen

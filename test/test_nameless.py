@@ -11,7 +11,8 @@ import pytest
 from booster_ros.diagnosis.applicable import free_to_refit
 from booster_ros.diagnosis.candidate import Candidate, clearly_better, why_dropped
 from booster_ros.diagnosis.experiment import rmse
-from booster_ros.diagnosis.fit import Problem, declared_freedom
+from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.freedom import declared_freedom
 from booster_ros.diagnosis.nameless import (
     as_good, beyond_names, compete, over_time, preferable, term_alone)
 from booster_ros.diagnosis.preparation import prepare

@@ -11,8 +11,9 @@ import pytest
 
 from booster_ros.diagnosis.diagnose import diagnose
 from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import (
-    BENCH, BENCH_RANGE, Fit, Problem, declared_freedom, effect_freedom, get, put)
+from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.freedom import (
+    BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, put)
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_sizes, undetermined
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch

@@ -11,7 +11,7 @@ costs time and invites coincidences: in a sweep a lag looks like friction.
 import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import Free, declared_freedom
+from booster_ros.diagnosis.freedom import Free, declared_freedom
 from booster_ros.model.catalogue import EFFECTS, Effect
 from booster_ros.model.gas import ISO_6358
 from booster_ros.model.system import PositionerParameters

@@ -15,7 +15,8 @@ from scipy.signal import savgol_filter
 
 from booster_ros.diagnosis.candidate import Candidate
 from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import Fit, Free
+from booster_ros.diagnosis.fit import Fit
+from booster_ros.diagnosis.freedom import Free
 from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, carried
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS

@@ -14,7 +14,8 @@ import numpy as np
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.candidate import Candidate, gain, told_apart
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
-from booster_ros.diagnosis.fit import Fit, Free, get
+from booster_ros.diagnosis.fit import Fit
+from booster_ros.diagnosis.freedom import Free, get
 from booster_ros.diagnosis.intervals import interval_of
 from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete

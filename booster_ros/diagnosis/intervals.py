@@ -4,7 +4,8 @@
 
 import numpy as np
 
-from booster_ros.diagnosis.fit import Fit, Free, Problem
+from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.freedom import Free
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray

@@ -27,7 +27,8 @@ import itertools
 import numpy as np
 from scipy.signal import periodogram
 
-from booster_ros.diagnosis.fit import Fit, Free, Problem, effect_freedom
+from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.freedom import Free, effect_freedom
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS, Effect
 

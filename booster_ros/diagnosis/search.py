@@ -12,7 +12,8 @@ import numpy as np
 
 from booster_ros.diagnosis.candidate import Candidate
 from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import BENCH, Fit, Free, Problem
+from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.freedom import BENCH, Free
 from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
 from booster_ros.diagnosis.screening import with_effect
 from booster_ros.diagnosis.segments import Segment, rows_of, segment_of_row

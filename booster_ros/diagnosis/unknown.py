@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from booster_ros.diagnosis.fit import START, Fit, Free, Problem
+from booster_ros.diagnosis.fit import START, Fit, Problem
+from booster_ros.diagnosis.freedom import Free
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..diagnosis.experiment import rmse
-from ..diagnosis.fit import BENCH_RANGE
+from ..diagnosis.freedom import BENCH_RANGE
 from ..diagnosis.result import Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
 from ..paper.table_three import Suspect as IndexSuspect
