@@ -112,8 +112,8 @@ def test_the_means_over_slips_show_how_much_friction_there_is(packing):
     _, kept = search.experiment.thinned(search.thinning)
     rows, means = (bootstrap(problem, fit, of_row[kept])
                    for bootstrap in (block_bootstrap, block_bootstrap_of_means))
-    packing = [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in PUT_IN]
-    for j in packing:
+    places = [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in PUT_IN]
+    for j in places:
         _, low, high = interval_of(problem, rows, fit, j)
         _, lower, higher = interval_of(problem, means, fit, j)
         assert higher - lower > 2.0 * (high - low), problem.freedoms[j].knob.parameter
