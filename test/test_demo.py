@@ -5,6 +5,8 @@
 import contextlib
 import os
 from pathlib import Path
+import subprocess
+import sys
 
 from ros_process import RosProcess, program
 
@@ -43,6 +45,31 @@ def test_an_interrupted_demo_ends_both_nodes(tmp_path):
         assert processes_with(mark) == []
     assert 'Traceback' not in demo.output
     assert 'Traceback' not in (tmp_path / 'positioner.log').read_text()
+
+
+INTERRUPTED_ELSEWHERE = """
+import signal, subprocess, sys, threading
+from booster_ros.programs.demo import ended
+
+sleeper = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])
+
+def as_a_library() -> None:
+    signal.pthread_kill(threading.get_ident(), signal.SIGINT)
+
+threading.Timer(1.0, as_a_library).start()
+try:
+    ended(sleeper)
+except KeyboardInterrupt:
+    print('interrupted')
+finally:
+    sleeper.kill()
+"""
+
+
+def test_an_interruption_that_comes_to_another_thread_ends_the_wait():
+    done = subprocess.run([sys.executable, '-c', INTERRUPTED_ELSEWHERE], capture_output=True,
+                          text=True, check=False, timeout=30)
+    assert (done.returncode, done.stdout.strip()) == (0, 'interrupted'), done.stderr
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):

@@ -25,6 +25,7 @@ from ..paper.printed import table_3
 from ..paper.step_test import DURATION, DWELL, levels, upward_steps
 from ..paper.step_test_figure import draw_step_test
 from ..records import Record, RecordError, read_record
+from .interruption import kept_interruption
 from .ros_domain import claim_domain
 
 TICKS_PER_SECOND = 200
@@ -32,6 +33,9 @@ TICKS_PER_SECOND = 200
 
 LONGEST_DELAY = 0.1
 """A response that begins later than this was held up on its way: it takes 0.06 s, s."""
+
+GLANCE = 0.5
+"""How often it is looked whether an interruption has come, s."""
 
 PATIENCE = 10.0
 """How long a process may take to end when it is told to, s."""
@@ -85,7 +89,7 @@ def play_step_test(out: Path) -> Record:
             running('positioner', rate, environment, sink),
             running('fake_controller', settings, environment) as controller,
         ):
-            status = controller.wait()
+            status = ended(controller)
     if status != 0:
         raise DemoError(f'the fake controller ended with status {status}; see also {log}')
     return read_record(out / 'record.csv')
@@ -130,6 +134,21 @@ def running(
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+
+def ended(process: subprocess.Popen[bytes]) -> int:
+    """
+    Return the exit status of a process once it has ended.
+
+    KeyboardInterrupt comes out even where the signal was delivered to a thread of a library, which
+    does not wake a process that waits without end.
+    """
+    with kept_interruption() as check:
+        while True:
+            try:
+                return process.wait(GLANCE)
+            except subprocess.TimeoutExpired:
+                check()
 
 
 def report(record: Record, plot: Path) -> None:
