@@ -11,9 +11,9 @@ by bounded trust-region least squares (scipy), with the columns of the Jacobian 
 side: the compiled model gives up Python's lock.
 """
 
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 import os
 
 import numpy as np
@@ -72,6 +72,22 @@ class Fit:
         return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
 
 
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Rows taken together: of each its window, and of each window its first row and how many."""
+
+    window: Array
+    first: Array
+    count: Array
+
+    @classmethod
+    def of(cls, label: Array) -> 'Windows':
+        """Return the windows of rows that have the same label."""
+        _, first, window, count = np.unique(
+            label, return_index=True, return_inverse=True, return_counts=True)
+        return cls(window, first, count)
+
+
 @dataclass(frozen=True)
 class Problem:
     """
@@ -127,35 +143,40 @@ class Problem:
 
     def residuals(self, z: Array) -> Array:
         """Return the scaled residuals of all marked rows, priors behind them."""
-        return self._with_priors(z, [scaled for _, scaled in self._scaled(z)])
+        return self._with_priors(z, self._scaled(z))
 
     def means(self, z: Array) -> Array:
         """Return the means of residuals over `SLIPS`, scaled to their own noise, and priors."""
-        parts = []
-        for rows, scaled in self._scaled(z):
-            _, window, count = np.unique(
-                self.windows()[rows], return_inverse=True, return_counts=True)
-            parts.append(np.bincount(window, scaled) / np.sqrt(count))
-        return self._with_priors(z, parts)
+        return self._with_priors(z, [
+            np.bincount(slips.window, scaled) / np.sqrt(slips.count)
+            for slips, scaled in zip(self.slips, self._scaled(z))])
 
-    def windows(self) -> Array:
-        """Return to which of the means each row belongs, shape (n,)."""
-        return np.floor(self.experiment.time / SLIPS)
+    @cached_property
+    def counted(self) -> dict[str, Array]:
+        """The rows of each channel that count, as a mask of shape (n,): marked, with a value."""
+        return {name: self.rows & np.isfinite(measured)
+                for name, measured in self.experiment.measured.items()}
+
+    @cached_property
+    def slips(self) -> tuple[Windows, ...]:
+        """Over which rows of each channel the means are formed."""
+        window = np.floor(self.experiment.time / SLIPS)
+        return tuple(Windows.of(window[rows]) for rows in self.counted.values())
 
     def slopes_of_means(self, z: Array, here: Array, before: Array | None = None) -> Array:
         """Return d(means)/dz as `jacobian` does; `here` are the means at z."""
         return self._slopes(self.means, z, here, before)
 
-    def _scaled(self, z: Array) -> Iterator[tuple[Array, Array]]:
-        """Yield the marked rows of each channel and their scaled residuals."""
+    def _scaled(self, z: Array) -> list[Array]:
+        """Return the scaled residuals of the rows that count, one array a channel."""
         predicted = self.predict(z)
-        for name, measured in self.experiment.measured.items():
-            rows = self.rows & np.isfinite(measured)
-            if predicted is None:
-                yield rows, np.full(int(rows.sum()), FAR)
-                continue
-            scaled = (measured[rows] - predicted[name][rows]) / self.experiment.noise[name]
-            yield rows, np.nan_to_num(scaled, nan=FAR, posinf=FAR, neginf=-FAR)
+        if predicted is None:
+            return [np.full(np.count_nonzero(rows), FAR) for rows in self.counted.values()]
+        measured, noise = self.experiment.measured, self.experiment.noise
+        return [
+            np.nan_to_num((measured[name][rows] - predicted[name][rows]) / noise[name],
+                          nan=FAR, posinf=FAR, neginf=-FAR)
+            for name, rows in self.counted.items()]
 
     def _with_priors(self, z: Array, parts: list[Array]) -> Array:
         priors = [variable / free.sigma for free, variable in zip(self.freedoms, z)
@@ -221,8 +242,7 @@ class Problem:
 
     def rows_counted(self) -> int:
         """Return how many measurements count, over all channels."""
-        return sum(int(np.sum(self.rows & np.isfinite(measured)))
-                   for measured in self.experiment.measured.values())
+        return sum(int(np.count_nonzero(rows)) for rows in self.counted.values())
 
     def start(self) -> Array:
         """Return z of the given parameters."""

@@ -55,8 +55,7 @@ def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array, seed: in
     here = problem.means(fit.z)
     slopes = problem.slopes_of_means(fit.z, here, problem.slopes_of_means(fit.z, here))
     label = np.concatenate([
-        of_row[rows][np.unique(problem.windows()[rows], return_index=True)[1]]
-        for rows in (problem.rows & np.isfinite(m) for m in problem.experiment.measured.values())])
+        of_row[rows][slips.first] for rows, slips in zip(problem.counted.values(), problem.slips)])
     return _draws(problem, fit, here, slopes, label, seed)
 
 
@@ -102,9 +101,7 @@ def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: 
 
 def _labels(problem: Problem, of_row: Array) -> Array:
     """Return the block of every residual of a measurement."""
-    return np.concatenate([
-        of_row[problem.rows & np.isfinite(measured)]
-        for measured in problem.experiment.measured.values()])
+    return np.concatenate([of_row[rows] for rows in problem.counted.values()])
 
 
 def _shows_in_few(problem: Problem, fit: Fit, label: Array) -> bool:
