@@ -385,19 +385,34 @@ def test_rivals_above_a_stem_that_sticks_meet_again_with_the_same_friction():
     assert again[0].score < behind.score
 
 
-def test_rivals_of_a_stem_that_sticks_begin_with_the_friction_they_share():
-    """Of a bent stem whose friction is the same everywhere nothing is left but friction."""
+@pytest.mark.parametrize(('stuck', 'least', 'most'), [(385.0, 1.0, 2.0), (340.0, 2.0, 50.0)])
+def test_rivals_of_a_stem_that_sticks_begin_with_the_friction_they_share(stuck, least, most):
+    """
+    Of a bent stem whose friction is the same everywhere nothing is left but friction.
+
+    However far behind the fit of that got stuck: the choice has it in it.
+    """
     plain = P._replace(actuator=P.actuator._replace(
         coulomb_friction=400.0, presliding_stiffness=1e7))
     search = searching(seen(plain), ())
     bent = standing_at(search, ('position_dependent_friction',), {
         'actuator.coulomb_friction': 400.0, 'actuator.friction_gradient': 0.3})
     behind = standing_at(search, ('stem_friction',), {
-        'actuator.coulomb_friction': 385.0, 'actuator.stiction': 10.0})
-    assert bent.score < behind.score < 2.0 * bent.score
+        'actuator.coulomb_friction': stuck, 'actuator.stiction': 10.0})
+    assert least * bent.score < behind.score < most * bent.score
     again = rematch(search, bent, [bent, behind])
     assert again[0].effects == ('stem_friction',)
     assert again[0].fit.parameters.actuator.coulomb_friction == pytest.approx(400.0, rel=0.02)
+
+
+def test_a_bent_stem_far_behind_is_no_rival_of_plain_friction():
+    search = searching(seen(P._replace(actuator=P.actuator._replace(
+        coulomb_friction=400.0, presliding_stiffness=1e7))), ())
+    plain = standing_at(search, ('stem_friction',), {'actuator.coulomb_friction': 400.0})
+    behind = standing_at(search, ('position_dependent_friction',), {
+        'actuator.coulomb_friction': 340.0, 'actuator.friction_gradient': 0.3})
+    assert behind.score > 2.0 * plain.score
+    assert rematch(search, plain, [plain, behind]) == [plain]
 
 
 @pytest.mark.parametrize('time_constant', [1200.0, 6000.0])

@@ -190,14 +190,14 @@ def _holds_zero(draws: Array, best: Array) -> bool:
 
 
 def own_sizes(effect: str) -> set[str]:
-    """Return the parameters that give an effect its size and no effect before it has as well."""
-    before: set[str] = set()
-    for name, row in EFFECTS.items():
-        sizes = {knob.parameter for knob in row.knobs if not knob.shape}
-        if name == effect:
-            return sizes - before
-        before |= sizes
-    raise KeyError(effect)
+    """Return those of `sizes_of` that no effect before it in the catalogue has as well."""
+    names = list(EFFECTS)
+    return sizes_of(effect).difference(*(sizes_of(name) for name in names[:names.index(effect)]))
+
+
+def sizes_of(effect: str) -> set[str]:
+    """Return the parameters that give an effect its size; KeyError if there is none such."""
+    return {knob.parameter for knob in EFFECTS[effect].knobs if not knob.shape}
 
 
 def _at_bound(free: Free, z: float) -> bool:

@@ -15,7 +15,9 @@ what lies between two similar effects. So the close ones meet again:
 Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
 one effect, above the stem or of it, are fitted once more to the thinned rows, beginning with what
 they share with the choice, or with what is seen above the stem where they differ there; the
-plainest of those not told apart is taken.
+plainest of those not told apart is taken. An effect that the choice has in it (friction that is the
+same everywhere, in one that may differ) is fitted again whatever it scored: where it does not reach
+what the choice does though its size is enough for that, its fit got stuck.
 """
 
 from dataclasses import replace
@@ -23,6 +25,7 @@ from dataclasses import replace
 from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
 from booster_ros.diagnosis.cascade import as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.indistinct import alike
+from booster_ros.diagnosis.intervals import own_sizes, sizes_of
 from booster_ros.diagnosis.next_effect import redundant
 from booster_ros.diagnosis.search import EVALUATIONS, Search, carried
 from booster_ros.model.actuator import has_dry_friction
@@ -64,7 +67,8 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
         swapped = set(one.effects) ^ set(chosen.effects)
         alike = len(swapped) == 2 and len({shows_above_the_stem(name) for name in swapped}) == 1
         same = alike and len(one.effects) == len(chosen.effects)
-        if same and not one.fault and one.score < ROUGHLY * chosen.score:
+        near = one.score < ROUGHLY * chosen.score or _in_the_choice(one, chosen)
+        if same and not one.fault and near:
             rivals.setdefault(frozenset(one.effects), one)
     known = {free.knob.parameter for free in chosen.problem.freedoms}
     again = [chosen]
@@ -78,6 +82,12 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
         fit = replace(one.problem, fine=True).fit(z, evaluations=EVALUATIONS)
         again.append(search.rate(one.effects, one.problem, fit))
     return preferred_first(again)
+
+
+def _in_the_choice(one: Candidate, chosen: Candidate) -> bool:
+    """Tell whether an effect of the choice builds on a size of one that the other has instead."""
+    mine, its = set(chosen.effects) - set(one.effects), set(one.effects) - set(chosen.effects)
+    return any(sizes_of(a) & own_sizes(b) for a in mine for b in its)
 
 
 def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
