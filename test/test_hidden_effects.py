@@ -63,6 +63,9 @@ def test_what_has_no_name_is_unknown_in_its_place(
     assert report['effects'][0]['location'] == EFFECTS[effect].location
     assert report['unknown']['variable'] in variable.split(' or ')
     errors_fall_to_the_noise(report)
+    below, *slopes, above = np.abs(
+        np.diff(report['unknown']['values']) / np.diff(report['unknown']['at']))
+    assert max(below, above) < 1.3 * max(slopes)
 
 
 def search_on(effect, size, seed, folder):

@@ -102,6 +102,8 @@ def test_no_parameter_takes_what_is_out_of_its_range(name):
         ({'booster.critical_pressure_ratio_shift': -0.6}, 'between 0 and 0.99'),
         ({'booster.orifice_law': 'linear'}, 'one of iso_6358, isentropic'),
         ({'discrepancy.low': 2.0, 'discrepancy.high': 1.0}, 'discrepancy.high'),
+        ({'discrepancy.fade_below': 0.7, 'discrepancy.fade_above': 0.3},
+         'must leave room between discrepancy.low'),
         ({'discrepancy.location': 'supply', 'discrepancy.variable': 'valve_position'},
          'valve_position is nothing that a term in supply can follow'),
         ({'discrepancy.location': 'stem', 'discrepancy.variable': 'booster_force'},

@@ -203,7 +203,7 @@ def _found_unknown(alike: list[Candidate], after: Fit
                    ) -> tuple[tuple[FoundEffect, ...], UnknownTerm]:
     table = after.parameters.discrepancy
     location = term.LOCATIONS[table.location]
-    knots = np.linspace(table.low, table.high, term.KNOTS)
+    knots = np.r_[table.low, np.linspace(*term.covered(table), term.KNOTS - 2), table.high]
     unknown = UnknownTerm(
         location, term.VARIABLES[table.variable], term.VARIABLE_UNITS[table.variable],
         term.LOCATION_UNITS[table.location], knots, np.array(table.values))

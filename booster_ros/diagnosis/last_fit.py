@@ -21,7 +21,7 @@ from booster_ros.diagnosis.search import (
     EVALUATIONS, WORTH_A_LAST_POLISHING, Search, as_given, polished)
 from booster_ros.diagnosis.segments import USED, segment_of_row
 from booster_ros.diagnosis.selection import Tried
-from booster_ros.diagnosis.unknown import UNNAMED
+from booster_ros.diagnosis.unknown import UNNAMED, with_gentle_ends
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
@@ -98,7 +98,9 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
 def _term(search: Search, candidate: Candidate, before: LastFit) -> LastFit:
     if over_time(candidate):
         return LastFit(*term_alone(search, candidate, before.fit))
-    return last_fit(search, candidate)
+    last = last_fit(search, candidate)
+    gentle = with_gentle_ends(last.problem, last.fit)
+    return LastFit(gentle, gentle.fit(last.fit.z, evaluations=EVALUATIONS))
 
 
 def _without(tried: Tried, name: str, fault: str) -> Tried:

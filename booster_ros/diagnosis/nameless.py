@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import (
-    TOO_SIMILAR, WORTH_ADDING, Candidate, clearly_better, told_apart)
+    NEAR_NOISE, TOO_SIMILAR, WORTH_ADDING, Candidate, clearly_better, told_apart)
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished
@@ -79,9 +79,14 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
 
 
 def compete(tried: Tried) -> bool:
-    """Tell whether the named effects leave so much that terms without a name compete."""
-    return tried.chosen.misfit >= WELL_EXPLAINED and not (
-        tried.chosen.effects and _leave_less(tried, MOSTLY))
+    """
+    Tell whether the named effects leave so much that terms without a name compete.
+
+    Of several effects no more than noise is to be left: together they bend to what none of them is.
+    """
+    effects = tried.chosen.effects
+    enough = NEAR_NOISE if len(effects) > 1 else WELL_EXPLAINED
+    return tried.chosen.misfit >= enough and not (effects and _leave_less(tried, MOSTLY))
 
 
 def _leave_less(tried: Tried, share: float) -> bool:

@@ -53,7 +53,7 @@ PLAUSIBLE = 12.0
 """Sum of squared departures of the declared parameters that their priors still allow."""
 
 WELL_EXPLAINED = 1.5
-"""Mean square misfit up to which named effects count as the whole explanation."""
+"""Mean square misfit up to which a named effect counts as the whole explanation."""
 
 PATCH = 1.3
 """Mean square misfit of a single segment up to which it is noise."""

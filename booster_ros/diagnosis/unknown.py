@@ -8,7 +8,7 @@ effect there would depend on. Its values enter nearly linearly, so one simulatio
 linear solve, with the declared parameters reacting, tell what each can reach.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from booster_ros.diagnosis.fit import START, Fit, Problem
 from booster_ros.diagnosis.freedom import Free
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
-from booster_ros.model.discrepancy import KNOTS, Discrepancy
+from booster_ros.model.discrepancy import KNOTS, Discrepancy, covered
 
 Array = np.ndarray
 
@@ -94,6 +94,25 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
         Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
     return Problem(problem.experiment, problem.rows, problem.base._replace(discrepancy=table),
                    problem.freedoms + values_free)
+
+
+def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
+    """
+    Return the problem with a table that fades to zero no more steeply than it runs as fitted.
+
+    A leak that grows along the travel does not vanish just beyond the last position seen: a valve
+    that goes there would meet a step which no record showed. No fade is longer than the table.
+    """
+    table = fit.parameters.discrepancy
+    first, last = covered(table)
+    inner = np.array(table.values[1:-1])
+    spacing = (last - first) / (KNOTS - 3)
+    steepest = max(float(np.abs(np.diff(inner)).max()) / spacing, 1e-300)
+    below, above = (
+        float(np.clip(abs(end) / steepest, spacing, last - first)) for end in inner[[0, -1]])
+    gentle = problem.base.discrepancy._replace(
+        low=first - below, high=last + above, fade_below=below, fade_above=above)
+    return replace(problem, base=problem.base._replace(discrepancy=gentle))
 
 
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array

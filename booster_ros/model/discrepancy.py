@@ -3,7 +3,8 @@
 """
 What a record showed beyond the named effects: a tabulated term in one component.
 
-The table is piecewise linear over one variable and zero outside the range that the record covered.
+The table is piecewise linear over one variable. What the record covered lies between its second
+value and its last but one; beyond, the term fades to the outermost values and is zero from there.
 """
 
 from typing import Annotated, NamedTuple
@@ -25,7 +26,7 @@ KNOTS = 12
 
 
 class Discrepancy(NamedTuple):
-    """A table of `KNOTS` values at equal distances from `low` to `high`."""
+    """A table of `KNOTS` values from `low` to `high`, at equal distances but for the two fades."""
 
     location: Annotated[int, Quantity('-', 'component that the term enters: ' + ', '.join(
         LOCATIONS))] = NONE
@@ -37,8 +38,15 @@ class Discrepancy(NamedTuple):
         'unit of the variable', 'variable at the last value')] = 1.0
     values: Annotated[tuple[float, ...], Quantity(
         'Pa (ep_converter, supply, pressure_sensor), N (booster, stem), kg/s (chamber), '
-        'm (position_sensor)', f'the term at {KNOTS} equidistant values of the variable',
+        'm (position_sensor)', f'the term at {KNOTS} values of the variable, equidistant but for '
+        'the two fades',
     )] = (0.0,) * KNOTS
+    fade_below: Annotated[float, Quantity(
+        'unit of the variable', 'from the first value to the second; 0: as to any other',
+        0.0, 1e9)] = 0.0
+    fade_above: Annotated[float, Quantity(
+        'unit of the variable', 'from the last value but one to the last; 0: as to any other',
+        0.0, 1e9)] = 0.0
 
 
 def can_depend(location: int, variable: int) -> bool:
@@ -52,11 +60,26 @@ def can_depend(location: int, variable: int) -> bool:
     return variable != BOOSTER_FORCE or location not in (EP_CONVERTER, STEM)
 
 
+def covered(table: Discrepancy) -> tuple[float, float]:
+    """Return the variable at the second value and at the last but one."""
+    below, above = table.fade_below, table.fade_above
+    equal = KNOTS - 3 + (below <= 0.0) + (above <= 0.0)
+    step = (table.high - table.low - below - above) / equal
+    return (table.low + (below if below > 0.0 else step),
+            table.high - (above if above > 0.0 else step))
+
+
 def interpolate(table: Discrepancy, value: float) -> float:
     """Return the term at `value`, in the unit of the table's location; zero outside."""
-    place = (value - table.low) / (table.high - table.low) * (KNOTS - 1)
-    if not 0.0 <= place <= KNOTS - 1:  # also where the value is no number
+    if not table.low <= value <= table.high:  # also where the value is no number
         return 0.0
-    left = min(int(place), KNOTS - 2)
-    share = place - left
+    first, last = covered(table)
+    if value < first:
+        left, share = 0, (value - table.low) / (first - table.low)
+    elif value > last:
+        left, share = KNOTS - 2, (value - last) / (table.high - last)
+    else:
+        place = 1.0 + (value - first) / (last - first) * (KNOTS - 3)
+        left = min(int(place), KNOTS - 3)
+        share = place - left
     return table.values[left] * (1.0 - share) + table.values[left + 1] * share

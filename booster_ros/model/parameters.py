@@ -157,6 +157,10 @@ def check_consistent(p: PositionerParameters) -> None:
               f'{a.dead_volume + a.added_volume:g}'),
         _Rule(d.high > d.low,
               f'discrepancy.high ({d.high:g}) must be greater than discrepancy.low ({d.low:g})'),
+        _Rule(d.fade_below + d.fade_above < d.high - d.low,
+              f'discrepancy.fade_below ({d.fade_below:g}) and discrepancy.fade_above '
+              f'({d.fade_above:g}) must leave room between discrepancy.low ({d.low:g}) and '
+              f'discrepancy.high ({d.high:g})'),
         _Rule(discrepancy.can_depend(d.location, d.variable),
               f'discrepancy.variable: {discrepancy.VARIABLES[d.variable]} is nothing that a term '
               f'in {discrepancy.LOCATIONS[d.location]} can follow'),
