@@ -203,15 +203,16 @@ def _branches(view: View, driver: str) -> list[slice]:
 
 
 def unknown_term(view: View, term: UnknownTerm) -> Figure:
-    """Draw the table of a discrepancy without a name, and how long the record was where."""
+    """Draw a term without a name, dotted beyond what was seen, and how much was seen where."""
     figure = blank(3.3)
     axes, below = figure.subplots(2, sharex=True, height_ratios=(4, 1))
     over, size = scale_of(term.variable_unit), scale_of(term.unit)
-    x = term.knots * over.factor
-    axes.plot(x, term.values * size.factor, 'o-', color=AFTER, markersize=4.5, linewidth=1.6)
+    x, y = term.knots * over.factor, term.values * size.factor
+    axes.plot(x[1:-1], y[1:-1], 'o-', color=AFTER, markersize=4.5, linewidth=1.6)
     margin = 0.08 * np.ptp(x)
-    for outside in ((x[0] - margin, x[0]), (x[-1], x[-1] + margin)):
-        axes.plot(outside, (0.0, 0.0), color=AFTER, linewidth=1.6, linestyle=':')
+    for at, values in (((x[0] - margin, *x[:2]), (0.0, *y[:2])),
+                       ((*x[-2:], x[-1] + margin), (*y[-2:], 0.0))):
+        axes.plot(at, values, color=AFTER, linewidth=1.6, linestyle=':')
     axes.axhline(0.0, color=NOISE, linewidth=0.8)
     axes.set_ylabel(f'added, {size.unit}')
     seen = view.states[term.variable] * over.factor if term.variable in view.states else x

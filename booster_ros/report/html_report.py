@@ -184,9 +184,9 @@ def _unknown(view: View) -> str:
         'The term without a name',
         paragraph(
             f'Added in {place_label(term.location)}, in {size.unit}, as a function of the '
-            f'{channel_label(term.variable)} from {seen}{also}; it fades to zero outside. Below '
-            'it: how many rows of the record were where. Where there are few, the table says '
-            'little.'),
+            f'{channel_label(term.variable)} from {seen}{also}. Dotted: beyond, where nothing was '
+            'seen, it fades to zero, no more steeply than it runs. Below it: how many rows of the '
+            'record were where. Where there are few, the table says little.'),
         figure(svg(figures.unknown_term(view, term), 'unknown'), 'The table of the unnamed term'))
 
 
