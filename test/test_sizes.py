@@ -9,14 +9,16 @@ from made_diagnosis import DECLARED, record_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.diagnose import diagnose
+from booster_ros.diagnosis.diagnose import diagnose, known_together
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.freedom import (
     BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, put)
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_sizes, undetermined
+from booster_ros.diagnosis.last_fit import LastFit
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import rematch
+from booster_ros.diagnosis.result import FoundEffect
 from booster_ros.diagnosis.screening import with_effect
 from booster_ros.diagnosis.search import polished
 from booster_ros.diagnosis.candidate import Candidate, clearly_better
@@ -106,6 +108,23 @@ def test_an_effect_at_its_bound_imitates_something_else():
         problem, draws, fit = made_fit(
             'dead_time', [z], z + 0.1 * RNG.standard_normal((400, 1)))
         assert undetermined(problem, draws, fit, 'dead_time') == expected
+
+
+@pytest.mark.parametrize(('time_constant', 'said'), [(6000.0, True), (10.0, False)])
+def test_a_size_that_its_shape_can_stand_for_is_said_to_be_known_only_with_it(time_constant, said):
+    """Of a drift whose beginning alone was seen: so many Pa a second, and nothing of its end."""
+    plant = put(put(P, 'ep_converter.drift', 25.0 * time_constant),
+                'ep_converter.drift_time_constant', time_constant)
+    problem = with_effect(Problem(recorded(plant), np.ones(len(TIME), dtype=bool), P, ()),
+                          EFFECTS['ep_drift'])
+    fit = problem.fit(np.r_[1.0, np.zeros(len(problem.start()) - 1)])
+    drift = fit.parameters.ep_converter
+    assert drift.drift / drift.drift_time_constant == pytest.approx(25.0, rel=0.1)
+    found = FoundEffect('ep_drift', 'ep_converter', {}, (), '', {})
+    sentences = known_together((found,), LastFit(problem, fit))
+    assert len(sentences) == said
+    assert all('ep_converter.drift and ep_converter.drift_time_constant' in one
+               for one in sentences)
 
 
 def test_two_sizes_of_which_only_the_sum_is_known_stand_together():

@@ -16,7 +16,7 @@ from booster_ros.diagnosis.candidate import Candidate, gain, told_apart
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit
 from booster_ros.diagnosis.freedom import Free, get
-from booster_ros.diagnosis.intervals import interval_of
+from booster_ros.diagnosis.intervals import interval_of, shapes_of, traded
 from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete
 from booster_ros.diagnosis.repeatability import chance
@@ -133,6 +133,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
         (*notes, *doubts(held_out, 'the locked part'), *_cornered(refitted),
+         *known_together(effects, last),
          *chance(experiment, after.parameters, after.initial, 'this record')))
 
 
@@ -150,6 +151,15 @@ def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
         f'{one.name} went from {one.given:.4g} to {one.after:.4g} {one.unit}, the end of what a '
         'refit allows: its value is no measurement, and the model may lack something else'
         for one in refitted if one.at_limit)
+
+
+def known_together(effects: tuple[FoundEffect, ...], last: LastFit) -> tuple[str, ...]:
+    """Return a sentence for each size of an effect that the record shows only with its shapes."""
+    return tuple(
+        f'{size} and {" and ".join(sorted(shapes_of(effect.name)))} are known together only: this '
+        'record shows one trace of them, and each may be far larger or smaller than it says'
+        for effect in effects if effect.name in EFFECTS
+        for size in traded(last.problem, last.fit, effect.name))
 
 
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array

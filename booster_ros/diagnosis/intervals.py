@@ -163,18 +163,24 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
              if free.knob.parameter in own and shows[j]]
     if not fit.seen[sizes].any() or _holds_zero(draws[:, sizes], fit.z[sizes]):
         return 'its size is not told from none'
-    stuck = [problem.freedoms[j] for j in sizes if _at_bound(problem.freedoms[j], fit.z[j])
-             and not _traded(problem, fit, j, effect)]
-    return f'{stuck[0].knob.parameter} runs into its bound' if stuck else ''
+    at_bound = [problem.freedoms[j].knob.parameter for j in sizes
+                if _at_bound(problem.freedoms[j], fit.z[j])]
+    stuck = set(at_bound).difference(traded(problem, fit, effect)) if at_bound else set()
+    return f'{min(stuck, key=at_bound.index)} runs into its bound' if stuck else ''
 
 
-def _traded(problem: Problem, fit: Fit, size: int, effect: str) -> bool:
-    """Tell whether the effect's shapes move the residuals as the size does: any size will do."""
-    own = {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}
-    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in own]
-    trace = fit.jacobian[:, size]
-    imitated = fit.jacobian[:, shapes] @ np.linalg.lstsq(fit.jacobian[:, shapes], trace)[0]
-    return bool(np.sum((trace - imitated)**2) < SAME_TRACE * np.sum(trace**2))
+def traded(problem: Problem, fit: Fit, effect: str) -> list[str]:
+    """Return the effect's sizes whose trace its shapes can follow: known only with those."""
+    sizes, shapes = (
+        [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in wanted]
+        for wanted in (sizes_of(effect), shapes_of(effect)))
+    found = []
+    for j in sizes:
+        trace = fit.jacobian[:, j]
+        imitated = fit.jacobian[:, shapes] @ np.linalg.lstsq(fit.jacobian[:, shapes], trace)[0]
+        if np.sum((trace - imitated)**2) < SAME_TRACE * np.sum(trace**2):
+            found.append(problem.freedoms[j].knob.parameter)
+    return found
 
 
 def _holds_zero(draws: Array, best: Array) -> bool:
@@ -198,6 +204,11 @@ def own_sizes(effect: str) -> set[str]:
 def sizes_of(effect: str) -> set[str]:
     """Return the parameters that give an effect its size; KeyError if there is none such."""
     return {knob.parameter for knob in EFFECTS[effect].knobs if not knob.shape}
+
+
+def shapes_of(effect: str) -> set[str]:
+    """Return the parameters that give an effect its shape; KeyError if there is none such."""
+    return {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}
 
 
 def _at_bound(free: Free, z: float) -> bool:
