@@ -111,7 +111,7 @@ def test_terms_compete_where_named_effects_leave_much_of_what_was_there():
 
 
 def test_of_several_effects_nothing_but_noise_is_to_be_left():
-    """Two curves and a ripple bend to a leak that opens with travel, and leave 1.2 to 1.4 of it."""
+    """Two bent lines nearly make a leak that opens with travel."""
     quiet = scored((), 2.6, 2.6, 2.6, 2.6)
     for left, competing in ((1.36, True), (1.1, False)):
         both = scored(('opening_nonlinearity', 'ep_nonlinearity'), left, left, left, left)
