@@ -29,8 +29,8 @@ FAITHFUL = 3.0
 
 WITHIN_REACH = 5.0
 POINTED_AT = 2.0
-"""Terms are tried that reach a cost up to so many times the least, by linear reckoning, and up to
-the second figure begun where it points as well: where much is missing it is far off for others."""
+"""Terms are tried that reach a cost up to so many times the least, by linear reckoning, and begun
+where it points up to this: where much is missing it is far off for the others."""
 
 LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
@@ -154,7 +154,7 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
 
     Linear reckoning ranks them badly where a stem sits on its seat until it jumps, or where the
     refit of the declared parameters has gone far to imitate what is missing. So the first steps of
-    a fit decide: from the parameters as given, and of terms that rank well from where it points.
+    a fit decide; of terms that rank badly they are from the parameters as given.
     """
     experiment, thin = search.experiment, refit.problem
     still = np.ptp(experiment.current) == 0.0 and all(
@@ -168,11 +168,8 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     begun: dict[str, tuple[float, Problem, Array]] = {}
     for cost, z, move, joint, label in reached:
         if cost < WITHIN_REACH * least:
-            starts = [joint.start()]
-            if cost < POINTED_AT * least:
-                starts.append(moved(joint, z, move))
-            first = min((joint.fit(start, evaluations=FIRST_EVALUATIONS) for start in starts),
-                        key=lambda fit: fit.cost)
+            start = moved(joint, z, move) if cost < POINTED_AT * least else joint.start()
+            first = joint.fit(start, evaluations=FIRST_EVALUATIONS)
             begun[label] = (first.cost, joint, first.z)
     furthest = sorted(begun, key=lambda label: begun[label][0])[:LIKELY_TERMS]
     return [(one.label, *begun[one.label][1:]) for one in likely if one.label in furthest]

@@ -73,8 +73,8 @@ _ROWS = (
         'ep_drift', 'ep_converter', 'the back pressure shifts with time (coil heating)',
         'minutes of record', 'repeat one step after an hour: the settled pressure has moved',
         'first-order warming of coil and magnet',
-        Knob('ep_converter.drift', 1e3, -3e5, 3e5),
-        Knob('ep_converter.drift_time_constant', 100.0, 5.0, 3e4, 100.0, shape=True)),
+        Knob('ep_converter.drift', 1e3, -3e4, 3e4),
+        Knob('ep_converter.drift_time_constant', 100.0, 5.0, 2000.0, 100.0, shape=True)),
     _effect(
         'ep_nonlinearity', 'ep_converter', 'the back pressure is not a straight line over current',
         'settled pressures across the range', 'staircase with the back pressure recorded',
