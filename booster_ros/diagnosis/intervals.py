@@ -165,8 +165,9 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
         return 'its size is not told from none'
     at_bound = [problem.freedoms[j].knob.parameter for j in sizes
                 if _at_bound(problem.freedoms[j], fit.z[j])]
-    stuck = set(at_bound).difference(traded(problem, fit, effect)) if at_bound else set()
-    return f'{min(stuck, key=at_bound.index)} runs into its bound' if stuck else ''
+    alike = traded(problem, fit, effect)
+    stuck = [name for name in at_bound if name not in alike]
+    return f'{stuck[0]} runs into its bound' if stuck else ''
 
 
 def traded(problem: Problem, fit: Fit, effect: str) -> list[str]:
