@@ -94,7 +94,7 @@ def test_starts_where_the_first_row_says(tmp_path, params):
     )
     assert result['time'].tolist() == [5.0, 5.1]
     assert result['chamber_pressure'][0] == 200e3
-    assert result['valve_position'][0] == pytest.approx(0.007)  # 6 mm and the sensor's bias
+    assert result['valve_position'][0] == 0.006  # read so: the stem is at 5 mm, the bias is 1 mm
     assert result['chamber_pressure'][1] != 200e3
 
 

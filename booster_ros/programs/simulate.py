@@ -14,6 +14,7 @@ import numpy as np
 from tqdm import tqdm
 
 from ..model.parameters import ParameterError, from_values
+from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
@@ -57,7 +58,8 @@ def _parser() -> argparse.ArgumentParser:
         description='Run the model over time and control current. Units are SI, pressures gauge.',
         epilog='IN needs the columns time (s) and control_current (A); a current stands from its '
         'row to the next. Where the first row also has chamber_pressure (Pa) and valve_position '
-        f'(m), the run starts there, else vented. OUT has {", ".join(OUTPUT)}.',
+        '(m), the run starts where the sensors read these, else vented. OUT has '
+        f'{", ".join(OUTPUT)}.',
     )
     parser.add_argument(
         '--params', type=Path, required=True, metavar='P.yaml', help='a ROS 2 parameter file')
@@ -83,7 +85,9 @@ def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
         simulated: Future[dict[str, np.ndarray]] | None = None
         for time, current, initial in _portions(source):
             if stream is None:
-                stream = Stream(parameters, float(time[0]), float(current[0]), initial)
+                first = float(time[0]), float(current[0])
+                state, departure = start_of_readings(parameters, *first, initial)
+                stream = Stream(parameters, *first, state, departure=departure)
             # machine code needs no interpreter: meanwhile the portion before is written
             following = worker.submit(stream.advance, time, current)
             if simulated is not None:
