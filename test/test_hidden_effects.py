@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import free_to_refit
+from booster_ros.diagnosis.last_fit import last_fit
 from booster_ros.diagnosis.nameless import best_terms
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.screening import references, screen
@@ -68,18 +69,22 @@ def test_what_has_no_name_is_unknown_in_its_place(
     assert max(below, above) < 1.3 * max(slopes)
 
 
-def search_on(effect, size, seed, folder):
-    """Return the search on a record of the hidden plant with this effect."""
-    write_case(Case('hidden', ((effect, EFFECTS[effect].size(size)),), seed=seed), folder)
+def search_on(effects, seed, folder):
+    """Return the search on a record of the hidden plant with these effects and sizes."""
+    write_case(Case('hidden', effects, seed=seed), folder)
     declared = from_values(read_parameter_file(folder / 'hidden.yaml').physical)
     experiment = prepare(read_record(folder / 'hidden_fit.csv'), declared)
     return Search(experiment, split(experiment.time, experiment.current), declared,
                   free_to_refit(declared, experiment))
 
 
+def large(effect):
+    return effect, EFFECTS[effect].size('large')
+
+
 def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
     """Of a large leak: the refit of the declared parameters goes far to imitate it."""
-    search = search_on('leak_opens_with_travel', 'large', 110043, tmp_path)
+    search = search_on((large('leak_opens_with_travel'),), 110043, tmp_path)
     refit = search.refit()
     best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
     assert best.effects[0].startswith('unknown: chamber over ')
@@ -88,13 +93,32 @@ def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
 
 def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_what_it_is(tmp_path):
     """Of a large flow force on the plugs; the refit goes far to imitate it."""
-    search = search_on('plug_flow_force', 'large', 110014, tmp_path)
+    search = search_on((large('plug_flow_force'),), 110014, tmp_path)
     refit = search.refit()
     around = references(refit.problem, refit.problem.at(refit.fit.z))
     costs = {name: screen(refit.problem, around, name, np.array([0.5])).cost
              for name in ('plug_flow_force', 'dead_volume_change', 'booster_dead_band')}
     assert min(costs, key=costs.get) == 'plug_flow_force'
     assert costs['plug_flow_force'] < 0.8 * refit.fit.cost
+
+
+NOT_AT_REST = (-0.277, 1.131, 0.167, -0.006, -1.181, -0.619, 0.83, -1.054, 0.016, -0.007, 0.225,
+               0.132, 1.418, 2.513, 1.658, -0.788, 2.432, 0.0, 0.0, 0.0)
+"""Where the fit of a choice ended: offset and supply pressure one standard deviation off."""
+
+
+def test_the_last_fit_goes_to_its_end_and_keeps_a_seat_wide_that_never_opens_fully(tmp_path):
+    names = ('exhaust_asymmetry', 'position_sensor_lag')
+    search = search_on(((names[0], 0.41183), (names[1], 0.165826)), 1123013, tmp_path)
+    problem = search.joint(search.problem(), names)
+    chosen = search.rate(names, problem, problem.at(np.array(NOT_AT_REST)))
+    last = last_fit(search, chosen)
+    found = dict(zip((free.knob.parameter for free in last.problem.freedoms), last.fit.z))
+    assert last.fit.parameters.booster.exhaust_area_ratio > 1.2
+    left = float(np.sum(last.problem.residuals(last.fit.z)**2))
+    assert left < 1.05 * last.problem.rows_counted()
+    assert abs(found['ep_converter.offset']) < 0.3
+    assert abs(found['supply.pressure']) < 0.3
 
 
 @minutes

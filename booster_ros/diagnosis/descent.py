@@ -28,8 +28,12 @@ Differences = Callable[[Array, Array, Array | None], Array]
 FORESEEN = 0.1
 """A step was foreseen if it moved the residuals by what the Jacobian says but for this share."""
 
-CONVERGED = 1e-4
-"""Relative change of the cost, and of the variables, at which a descent ends."""
+CONVERGED, SETTLED = 1e-4, 3e-6
+"""
+Relative change of the cost, and of the variables, at which a descent ends: when models are
+compared, and for one that is handed on. 1e-4 of the squared errors of thousands of rows is as much
+as one or two standard deviations of a parameter that a record hardly shows, and another one may.
+"""
 
 NO_STEP = 1e-9
 """Shorter ones are rounding, and say nothing of slopes."""
@@ -91,12 +95,13 @@ class _Slopes:
 
 
 def descend(residuals: Residuals, differences: Differences, begin: Array, low: Array, high: Array,
-            evaluations: int) -> Descent:
+            evaluations: int, converged: float = CONVERGED) -> Descent:
     """
     Return where the sum of squared residuals is least between `low` and `high`, seen from `begin`.
 
     `differences` forms a Jacobian from a place, the residuals there, and an earlier Jacobian or
-    None; `evaluations` are the most beside those that form Jacobians. Variables are of order one.
+    None; `evaluations` are the most beside those that form Jacobians, `converged` is the relative
+    change at which it ends. Variables are of order one.
     """
     slopes = _Slopes(lambda v: residuals(v - _SHIFT),
                      lambda v, r, before: differences(v - _SHIFT, r, before))
@@ -104,10 +109,10 @@ def descend(residuals: Residuals, differences: Differences, begin: Array, low: A
     while True:
         found = least_squares(
             slopes.residuals, v, slopes.jacobian, bounds=(low + _SHIFT, high + _SHIFT),
-            max_nfev=evaluations, ftol=CONVERGED, xtol=CONVERGED, method='trf')
+            max_nfev=evaluations, ftol=converged, xtol=converged, method='trf')
         v = found.x
         evaluations -= found.nfev - 1
-        ended = not slopes.corrected or cost - found.cost < CONVERGED * cost
+        ended = not slopes.corrected or cost - found.cost < converged * cost
         if ended or evaluations < 2:
             return Descent(v - _SHIFT, 2.0 * found.cost, found.jac)
         cost = found.cost

@@ -18,7 +18,7 @@ import os
 
 import numpy as np
 
-from booster_ros.diagnosis.descent import Residuals, descend
+from booster_ros.diagnosis.descent import CONVERGED, Residuals, descend
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.freedom import BENCH, Free, put
 from booster_ros.model.actuator import has_dry_friction
@@ -42,6 +42,9 @@ SLIPS = 1.0
 Time in s over which residuals are averaged for a fit of means: many slips of a stem that sticks,
 few moves of the valve.
 """
+
+UNSEEN = 1.0
+"""A size is not seen if the cost rises by no more without it."""
 
 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
 
@@ -230,13 +233,23 @@ class Problem:
         return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
 
     def without_unseen(self, fit: Fit) -> Fit:
-        """Return the fit with sizes back at neutral that the rows show less than their noise."""
+        """
+        Return the fit with sizes back at neutral that the rows show less than their noise.
+
+        Slopes say so as well of a size from which on nothing more shows, a seat that is wide enough
+        never to be fully open: neutral is not wide enough. So that model is run before it is taken.
+        """
         seen = fit.seen
-        z = fit.z.copy()
+        z = fit.z
+        cost = float(np.sum(self.residuals(z)**2))
         for j, free in enumerate(self.freedoms):
             size = not np.isfinite(free.sigma) and not free.knob.shape
-            if size and not seen[j] and free.knob.parameter not in BENCH:
-                z[j] = 0.0
+            if size and z[j] != 0.0 and not seen[j] and free.knob.parameter not in BENCH:
+                without = z.copy()
+                without[j] = 0.0
+                left = float(np.sum(self.residuals(without)**2))
+                if left < cost + UNSEEN:
+                    z = without
         p = self.parameters(z)
         return replace(fit, z=z, parameters=p, initial=self.initial(z, p))
 
@@ -260,10 +273,12 @@ class Problem:
         return Fit(self.freedoms, z, p, self.initial(z, p), 0.0,
                    self.jacobian(z, self.residuals(z)))
 
-    def fit(self, z: Array | None = None, evaluations: int = 20) -> Fit:
+    def fit(self, z: Array | None = None, evaluations: int = 20, converged: float = CONVERGED
+            ) -> Fit:
         """Return the best fit from z on (default: from the given parameters)."""
         begin = self._inside(self.start() if z is None else z)
-        found = descend(self.residuals, self.jacobian, begin, *self.bounds(), evaluations)
+        found = descend(
+            self.residuals, self.jacobian, begin, *self.bounds(), evaluations, converged)
         p = self.parameters(found.z)
         return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)
 

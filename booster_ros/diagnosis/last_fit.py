@@ -13,18 +13,21 @@ import numpy as np
 
 from booster_ros.diagnosis.candidate import NEAR_NOISE, WORTH_ADDING, Candidate
 from booster_ros.diagnosis.cascade import as_seen_above
+from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.intervals import (
     block_bootstrap, block_bootstrap_of_means, undetermined)
 from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
-from booster_ros.diagnosis.search import (
-    EVALUATIONS, WORTH_A_LAST_POLISHING, Search, as_given, polished)
+from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given
 from booster_ros.diagnosis.segments import USED, segment_of_row
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, with_gentle_ends
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
+
+LAST_EVALUATIONS = 30
+"""Steps of the last fit, which goes on until it stands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,31 +71,51 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
 
 def last_fit(search: Search, candidate: Candidate) -> LastFit:
     """
-    Return the candidate fitted to all but the locked part.
+    Return the candidate fitted to all but the locked part, sizes that show nowhere left out.
 
-    Where that leaves more than noise, once more from another start, as the declared parameters may
-    have ended in a corner where they imitated the effect before it was there: from those given and
-    typical shapes, or, where the stem sticks, from what is seen above it, and through the slips.
-    Which of these two ends says more of the friction shows in their means: single slips are chance.
-    A table has no typical shape, and one over the stem's velocity can swing on the way from
-    nothing: minutes a fit.
+    A stem that sticks is fitted through its slips, see `_through_slips`, any other one to its very
+    end, see `_settled`.
     """
     problem = search.on(candidate.problem, USED, 1)
-    fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
-    dry = has_dry_friction(fit.parameters.actuator)
-    if not dry:
-        fit = polished(problem, fit, WORTH_A_LAST_POLISHING)
-    enough = fit.cost < NEAR_NOISE * problem.rows_counted()
-    if enough or not candidate.effects or candidate.effects[0].startswith(UNNAMED):
-        return LastFit(problem, problem.without_unseen(fit))
-    if dry:
-        above = as_seen_above(search, candidate, fit.z, USED)
-        again = problem.fit_through_slips(above, EVALUATIONS)
-        fit = min(fit, again, key=lambda found: float(np.sum(problem.means(found.z)**2)))
-    else:
-        again = problem.fit(as_given(problem, fit.z), evaluations=EVALUATIONS)
-        fit = min(fit, again, key=lambda found: found.cost)
+    dry = has_dry_friction(candidate.fit.parameters.actuator)
+    fit = _through_slips(search, problem, candidate) if dry else _settled(problem, candidate)
     return LastFit(problem, problem.without_unseen(fit))
+
+
+def _settled(problem: Problem, candidate: Candidate) -> Fit:
+    """
+    Return the better one of the fits from what was found and from the parameters as given.
+
+    Before an effect was in the model the declared parameters had imitated it. Those that a record
+    hardly shows come back slowly from there, and may show in another one; from the given ones a fit
+    does not go there. A table has no typical shape to begin with, and one over the stem's velocity
+    can swing on the way from nothing: minutes a fit.
+    """
+    starts = [candidate.fit.z]
+    if candidate.effects and not _unnamed(candidate):
+        starts.append(as_given(problem, candidate.fit.z))
+    fits = [problem.fit(z, LAST_EVALUATIONS, SETTLED) for z in starts]
+    return min(fits, key=lambda found: found.cost)
+
+
+def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> Fit:
+    """
+    Return the fit; where it leaves more than noise, the better of it and one through the slips.
+
+    That begins with what is seen above the stem. Which of the two ends says more of the friction
+    shows in their means: single slips are chance.
+    """
+    fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
+    enough = fit.cost < NEAR_NOISE * problem.rows_counted()
+    if enough or not candidate.effects or _unnamed(candidate):
+        return fit
+    above = as_seen_above(search, candidate, fit.z, USED)
+    again = problem.fit_through_slips(above, EVALUATIONS)
+    return min(fit, again, key=lambda found: float(np.sum(problem.means(found.z)**2)))
+
+
+def _unnamed(candidate: Candidate) -> bool:
+    return candidate.effects[0].startswith(UNNAMED)
 
 
 def _term(search: Search, candidate: Candidate, before: LastFit) -> LastFit:
