@@ -19,7 +19,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, lsq_linear
 
 Array = np.ndarray
 Residuals = Callable[[Array], Array]
@@ -117,3 +117,12 @@ def descend(residuals: Residuals, differences: Differences, begin: Array, low: A
             return Descent(v - _SHIFT, 2.0 * found.cost, found.jac)
         cost = found.cost
         slopes.renew(v)
+
+
+def straight(q: Array, upper: Array, r: Array, room: tuple[Array, Array]) -> Array:
+    """
+    Return the step within `room` (lower, upper) after which least is left by linear reckoning.
+
+    `q` and `upper` are the factors of the Jacobian, numpy.linalg.qr of it; `r` are the residuals.
+    """
+    return np.asarray(lsq_linear(upper, -(q.T @ r), room, method='bvls').x)

@@ -27,6 +27,7 @@ import itertools
 import numpy as np
 from scipy.signal import periodogram
 
+from booster_ros.diagnosis.descent import straight
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.freedom import Free, effect_freedom
 from booster_ros.model.actuator import has_dry_friction
@@ -175,8 +176,13 @@ class Reference:
 
     z: Array
     jacobian: Array
-    solver: Array
+    factors: tuple[Array, Array]
+    room: tuple[Array, Array]
     left: Array
+
+    def reaction(self, r: Array) -> Array:
+        """Return the step of z that leaves least of residuals r, within the bounds."""
+        return straight(*self.factors, r, self.room)
 
 
 @dataclass(frozen=True)
@@ -190,9 +196,11 @@ class _Trial:
 
 
 def reference_at(problem: Problem, fit: Fit) -> Reference:
-    solver = np.linalg.pinv(fit.jacobian, rcond=1e-8)
-    r = problem.residuals(fit.z)
-    return Reference(fit.z, fit.jacobian, solver, r - fit.jacobian @ (solver @ r))
+    low, high = problem.bounds()
+    z = np.clip(fit.z, low, high)
+    r = problem.residuals(z)
+    bare = Reference(z, fit.jacobian, np.linalg.qr(fit.jacobian), (low - z, high - z), r)
+    return replace(bare, left=r + fit.jacobian @ bare.reaction(r))
 
 
 def references(problem: Problem, fit: Fit) -> list[Reference]:
@@ -244,7 +252,7 @@ def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
            ) -> tuple[Array, Array]:
     """Return what remains of the residuals at sizes e when all else reacts, and z there."""
     r = joint.residuals(_with_sizes(problem, reference.z, e))
-    step = -reference.solver @ r
+    step = reference.reaction(r)
     return r + reference.jacobian @ step, _with_sizes(problem, reference.z + step, e)
 
 
@@ -282,7 +290,7 @@ def _chord(problem: Problem, joint: Problem, reference: Reference, z: Array
             columns.append((joint.residuals(moved) - r) / (moved[j] - z[j]))
         jacobian = np.column_stack(
             [reference.jacobian[:, :first], *columns, reference.jacobian[:, first:]])
-        step = np.linalg.lstsq(jacobian, -r, rcond=1e-8)[0]
+        step = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
         before = cost
         for share in CHORD_SHARES:
             trial = np.clip(z + share * step, low, high)

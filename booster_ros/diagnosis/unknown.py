@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from booster_ros.diagnosis.descent import straight
 from booster_ros.diagnosis.fit import START, Fit, Problem
 from booster_ros.diagnosis.freedom import Free
 from booster_ros.model import discrepancy as term
@@ -144,7 +145,8 @@ def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
     tail = joint.nuisances
     for j in range(tail):
         jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / START[j]
-    move = np.linalg.lstsq(jacobian, -r, rcond=1e-9)[0]
+    low, high = joint.bounds()
+    move = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
     left = r + jacobian @ move
     return float(left @ left), z, move, joint
 
