@@ -17,7 +17,7 @@ from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.last_fit import last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.rematch import rematch
+from booster_ros.diagnosis.rematch import _plainest_above, rematch
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
@@ -383,6 +383,18 @@ def test_rivals_above_a_stem_that_sticks_meet_again_with_the_same_friction():
     again = rematch(search, chosen, [chosen, behind])
     assert again[0].effects == ('stem_friction', 'chamber_leak')
     assert again[0].score < behind.score
+
+
+@pytest.mark.parametrize(('plainer', 'place'), [('chamber_leak', 0), ('supply_seat_leak', 1)])
+def test_slips_by_chance_do_not_decide_between_effects_above_the_stem(plainer, place):
+    """A leak of the chamber and one of the seat are the same air; one from the supply is not."""
+    search = searching(seen(LEAKING), ())
+    chosen = standing_at(search, ('exhaust_seat_leak', 'stem_friction'), {
+        **RUBBING, 'booster.exhaust_leak_area': 4e-8})
+    unlucky = standing_at(search, ('stem_friction', plainer), {
+        **RUBBING, 'actuator.coulomb_friction': 385.0, 'actuator.leak_area': 4e-8})
+    assert unlucky.score > 1.2 * chosen.score
+    assert _plainest_above(search, [chosen, unlucky]) is (unlucky, chosen)[place]
 
 
 @pytest.mark.parametrize(('stuck', 'least', 'most'), [(385.0, 1.0, 2.0), (340.0, 2.0, 50.0)])

@@ -79,22 +79,33 @@ def search_above(search: Search, fit: Fit) -> Search | None:
         thinning=THINNING)
 
 
-def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[str, ...]) -> Array:
+def fitted_above(search: Search, candidate: Candidate, roles: tuple[str, ...]) -> Candidate | None:
     """
-    Return z with what lies above a stem that sticks as the measured stem tells it.
+    Return what a model has above a stem that sticks, as the measured stem tells it.
 
     What was fitted before friction was in the model had imitated it, and a fit of all at once
-    stays there: which slip comes when makes its cost rough. Above the stem nothing is rough. Of the
-    stem itself viscous friction had imitated the other kind: it is as declared.
+    stays there: which slip comes when makes its cost rough. Above the stem nothing is rough.
     """
     above = search_above(search, candidate.fit)
     if above is None:
-        return z
+        return None
     effects = tuple(e for e in candidate.effects if shows_above_the_stem(e))
     upper = above.on(above.joint(above.problem(), effects), roles, above.thinning)
-    fitted = upper.fit(as_given(upper, carried(upper, candidate.fit)))
+    return above.rate(
+        effects, upper, upper.fit(as_given(upper, carried(upper, candidate.fit))))
+
+
+def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[str, ...]) -> Array:
+    """
+    Return z with what lies above a stem that sticks as fitted there.
+
+    Of the stem itself viscous friction had imitated the other kind: it is as declared.
+    """
+    upper = fitted_above(search, candidate, roles)
+    if upper is None:
+        return z
     freedoms = candidate.problem.freedoms
-    body = carried(candidate.problem, candidate.fit, fitted)[:len(freedoms)]
+    body = carried(candidate.problem, candidate.fit, upper.fit)[:len(freedoms)]
     for j, free in enumerate(freedoms):
         if free.knob.parameter == _IMITATES:
             body[j] = 0.0

@@ -15,7 +15,8 @@ what lies between two similar effects. So the close ones meet again:
 Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
 one effect, above the stem or of it, are fitted once more to the thinned rows, beginning with what
 they share with the choice, or with what is seen above the stem where they differ there; the
-plainest of those not told apart is taken. An effect that the choice has in it (friction that is the
+plainest of those not told apart is taken, by all or, where they differ above the stem, by what is
+seen there. An effect that the choice has in it (friction that is the
 same everywhere, in one that may differ) is fitted again whatever it scored: where it does not reach
 what the choice does though its size is enough for that, its fit got stuck.
 """
@@ -23,7 +24,7 @@ what the choice does though its size is enough for that, its fit got stuck.
 from dataclasses import replace
 
 from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
-from booster_ros.diagnosis.cascade import as_seen_above, shows_above_the_stem
+from booster_ros.diagnosis.cascade import as_seen_above, fitted_above, shows_above_the_stem
 from booster_ros.diagnosis.indistinct import alike
 from booster_ros.diagnosis.intervals import own_sizes, sizes_of
 from booster_ros.diagnosis.next_effect import redundant
@@ -81,7 +82,28 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
             z = as_seen_above(search, one, z, ('fit',))
         fit = replace(one.problem, fine=True).fit(z, evaluations=EVALUATIONS)
         again.append(search.rate(one.effects, one.problem, fit))
-    return preferred_first(again)
+    ranked = preferred_first(again)
+    plainest = _plainest_above(search, ranked)
+    return [plainest, *(one for one in ranked if one is not plainest)]
+
+
+def _plainest_above(search: Search, ranked: list[Candidate]) -> Candidate:
+    """
+    Return the first, or the plainest of those that do as well above the stem and differ only there.
+
+    A leak of the chamber and one of the exhaust seat are the same air; in the whole, slips that
+    come by chance may tell them apart.
+    """
+    best = ranked[0]
+    alike = [best, *(one for one in ranked[1:] if not one.fault and all(
+        map(shows_above_the_stem, set(one.effects) ^ set(best.effects))))]
+    if len(alike) == 1:
+        return best
+    upper = [(fitted_above(search, one, ('fit',)), one) for one in alike]
+    seen = [(above, one) for above, one in upper if above is not None]
+    least = min((above.fit.cost for above, _ in seen), default=0.0)
+    return min(seen, key=lambda pair: plainness(pair[0], pair[0].fit.cost - least),
+               default=(None, best))[1]
 
 
 def _in_the_choice(one: Candidate, chosen: Candidate) -> bool:
