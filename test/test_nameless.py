@@ -45,10 +45,11 @@ UNEVEN = scored((DRIFTING,), 1.0, 14.0, 1.0, 14.0)
 
 @pytest.mark.parametrize(('named', 'wins'), [
     (scored(('ep_drift', 'seat_load'), 9.0, 9.0, 9.0, 9.0), True),
-    (scored(('ep_drift',), 9.0, 9.0, 9.0, 9.0), False),
+    (scored(('ep_drift',), 9.0, 9.0, 9.0, 9.0), True),  # it explains 31 of 39
     (scored(('ep_drift', 'seat_load'), 7.0, 7.0, 7.0, 7.0), False),
+    (scored(('ep_drift',), 8.5, 8.5, 8.5, 8.5), False),  # 7.5 of 39 is little
 ])
-def test_several_effects_that_leave_structure_give_way_to_a_term_that_leaves_less(named, wins):
+def test_names_that_leave_structure_give_way_to_a_term_that_leaves_less(named, wins):
     assert not clearly_better(UNEVEN, named)
     assert preferable(UNEVEN, tried(named)) is wins
 

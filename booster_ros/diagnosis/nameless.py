@@ -22,7 +22,10 @@ MOSTLY = 0.03
 """Share of the declared model's excess over noise below which no nameless term competes."""
 
 FORESEEN = 0.2
-"""Share of it below which a term over time must do more: it says what was, not what comes."""
+"""
+Share of it below which a term over time must do more: it says what was, not what comes. Above it a
+single name has explained little.
+"""
 
 FAITHFUL = 3.0
 """The misfit that it must reach then; and where nothing drives the record, none counts."""
@@ -111,14 +114,15 @@ def preferable(unnamed: Candidate, tried: Tried) -> bool:
     """
     Tell whether the term without a name is the verdict, and not the named effects chosen.
 
-    Several effects together bend to much that none of them is: where they leave structure, one
-    term in one place that leaves less is the more honest word.
+    Several effects together bend to much that none of them is, and one that leaves a good share of
+    what is missing has explained little: where such leave structure, one term in one place that
+    leaves less is the more honest word.
     """
     named = tried.held_out
     if not tried.chosen.effects or clearly_better(unnamed, named):
         return True
-    return (len(tried.chosen.effects) > 1 and named.misfit > FAITHFUL
-            and unnamed.score < named.score)
+    weak = len(tried.chosen.effects) > 1 or not _leave_less(tried, FORESEEN)
+    return weak and named.misfit > FAITHFUL and unnamed.score < named.score
 
 
 def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
