@@ -91,6 +91,17 @@ def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
     assert best.misfit < 1.3
 
 
+def test_a_chamber_that_bulges_as_the_stem_passes_is_a_volume_over_position(tmp_path, monkeypatch):
+    monkeypatch.setattr(cases, 'FIT_SECONDS', 60.0)
+    monkeypatch.setattr(cases, 'VALIDATION_SECONDS', 5.0)
+    search = search_on((('bulging_diaphragm', EFFECTS['bulging_diaphragm'].size('medium')),), 11,
+                       tmp_path)
+    refit = search.refit()
+    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    assert best.effects == ('unknown: chamber_volume over valve_position',)
+    assert best.misfit < 1.5 < 0.2 * refit.misfit
+
+
 def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_what_it_is(tmp_path):
     """Of a large flow force on the plugs; the refit goes far to imitate it."""
     search = search_on((large('plug_flow_force'),), 110014, tmp_path)

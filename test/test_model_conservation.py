@@ -23,8 +23,8 @@ def up_down_up(time: np.ndarray) -> np.ndarray:
     return levels[np.minimum((time // 10.0).astype(int), 2)]
 
 
-def stored(run: Simulation, outlet_volume: float) -> np.ndarray:
-    chamber = DEAD_VOLUME + AREA * run['valve_position']
+def stored(run: Simulation, outlet_volume: float, opened: np.ndarray | float = 0.0) -> np.ndarray:
+    chamber = DEAD_VOLUME + AREA * run['valve_position'] + opened
     gas = (run['chamber_pressure'] + ATMOSPHERE) * chamber / (R * run['gas_temperature'])
     return gas + (run['outlet_pressure'] + ATMOSPHERE) * outlet_volume / (R * AMBIENT)
 
@@ -68,6 +68,28 @@ def test_mass_balance(effects):
     if 'leak' in effects:
         assert lost[-1] > 0.05 * gain.max()
     assert np.abs(supplied - lost - gain).max() < 1e-4 * turnover
+
+
+ENDS = {'valve_position': (-0.002, 0.02), 'chamber_pressure': (-5e4, 5e5)}
+
+
+@pytest.mark.parametrize('heat', [{}, EFFECTS['heat']], ids=['isothermal', 'heat'])
+@pytest.mark.parametrize('variable', ENDS)
+def test_mass_balance_of_a_chamber_whose_volume_has_a_term(variable, heat):
+    low, high = ENDS[variable]
+    volumes = 2e-5 + 5e-5 * np.sin(np.arange(12.0) / 3.0)
+    run = simulate(positioner({
+        'discrepancy.location': 'chamber_volume', 'discrepancy.variable': variable,
+        'discrepancy.low': low, 'discrepancy.high': high,
+        'discrepancy.values': volumes.tolist(), **heat}), TIME, up_down_up(TIME))
+    opened = np.interp(run[variable], np.linspace(low, high, 12), volumes)
+    gain = stored(run, 0.0, opened)
+    gain -= gain[0]
+    supplied = integral(run['mass_flow'])
+    turnover = np.sum(np.abs(run['mass_flow'])) * 1e-3
+    assert np.abs(supplied - gain).max() < 2e-4 * turnover
+    declared = stored(run, 0.0)
+    assert np.abs(supplied - (declared - declared[0])).max() > 50e-4 * turnover
 
 
 def test_heat_changes_temperature_but_not_the_gas_law_at_rest():

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from booster_ros.model.discrepancy import (
-    CHAMBER, KNOTS, VALVE_POSITION, Discrepancy, covered, interpolate)
+    CHAMBER, KNOTS, VALVE_POSITION, Discrepancy, covered, interpolate, slope)
 
 VALUES = tuple(float(v) for v in np.random.default_rng(1).normal(size=KNOTS))
 
@@ -42,3 +42,13 @@ def test_a_fade_has_the_length_it_is_given_and_the_rest_equal_distances(below, a
 @pytest.mark.parametrize('value', [-2.1, 20.1, math.inf, -math.inf, math.nan])
 def test_beyond_the_table_and_where_there_is_no_number_the_term_is_zero(value):
     assert interpolate(table(4.0, 7.0), value) == 0.0
+
+
+@given(st.floats(-1.9, 19.9))
+def test_its_slope_is_how_it_rises(value):
+    one = table(4.0, 7.0)
+    knots = np.r_[-2.0, np.linspace(2.0, 13.0, KNOTS - 2), 20.0]
+    if np.abs(knots - value).min() > 1e-4:
+        rise = interpolate(one, value + 1e-5) - interpolate(one, value - 1e-5)
+        assert slope(one, value) == pytest.approx(rise / 2e-5, abs=1e-6)
+    assert slope(one, -2.1) == slope(one, 20.1) == slope(one, math.nan) == 0.0

@@ -29,6 +29,7 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.SUPPLY, 1e3, (term.TIME,)),
     (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY)),
     (term.BOOSTER, 0.01, (term.CHAMBER_PRESSURE,)),
+    (term.CHAMBER_VOLUME, 2e-5, (term.VALVE_POSITION, term.CHAMBER_PRESSURE)),
     (term.STEM, 200.0, (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE)),
     (term.PRESSURE_SENSOR, 1e3, (term.CHAMBER_PRESSURE, term.TIME)),
     (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
@@ -37,7 +38,8 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
 UNNAMED = 'unknown: '
 """Before the label of a term, where models are listed by their effects."""
 
-LOCATION_NAMES = {'pressure_sensor': 'sensor', 'position_sensor': 'sensor'}
+LOCATION_NAMES = {
+    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber'}
 """Locations as reports print them, where they differ from the table's."""
 
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)

@@ -78,6 +78,10 @@ class Actuator(NamedTuple):
         '-', 'flow_force: travel fraction over which it falls to 37 %', 0.01, 10.0)] = 0.3
 
 
+SMALLEST_VOLUME = 0.05
+"""Share of the dead volume that is left whatever is taken off it."""
+
+
 def diaphragm_area(act: Actuator, position: float) -> float:
     """Return A(x), m²."""
     return act.effective_area * (1.0 - act.area_change * position / act.travel)
@@ -86,7 +90,7 @@ def diaphragm_area(act: Actuator, position: float) -> float:
 def chamber_volume(act: Actuator, position: float) -> float:
     """Return V(x) = V0 + integral of A, m³."""
     swept = act.effective_area * position * (1.0 - 0.5 * act.area_change * position / act.travel)
-    return max(act.dead_volume + act.added_volume + swept, 0.05 * act.dead_volume)
+    return max(act.dead_volume + act.added_volume + swept, SMALLEST_VOLUME * act.dead_volume)
 
 
 def leak_flow(act: Actuator, pressure: float, temperature: float, ambient: float,
@@ -97,36 +101,37 @@ def leak_flow(act: Actuator, pressure: float, temperature: float, ambient: float
 
 
 def isothermal_pressure_rate(
-    act: Actuator, pressure: float, position: float, velocity: float, inflow: float,
+    act: Actuator, pressure: float, volume: float, swept: float, compliance: float, inflow: float,
     temperature: float,
 ) -> float:
     """
-    Return dp/dt = n (R T q - P A v) / V, Pa/s.
+    Return dp/dt = n (R T q - P A v) / (V + n P C), Pa/s.
 
-    `pressure` gauge Pa, `inflow` the net mass flow in kg/s. n = 1 is isothermal, else polytropic.
+    `pressure` gauge Pa, `swept` the volume A v that the stem opens in m³/s, `compliance` C = dV/dp
+    in m³/Pa, `inflow` the net mass flow in kg/s. n = 1 is isothermal, else polytropic.
     """
-    work = (pressure + ATMOSPHERE) * diaphragm_area(act, position) * velocity
-    return act.polytropic_index * (GAS_CONSTANT * temperature * inflow - work) / chamber_volume(
-        act, position)
+    index, absolute = act.polytropic_index, pressure + ATMOSPHERE
+    return index * (GAS_CONSTANT * temperature * inflow - absolute * swept) / (
+        volume + index * absolute * compliance)
 
 
 def energy_rates(
-    act: Actuator, pressure: float, gas_temperature: float, position: float, velocity: float,
-    enthalpy_flow: float, inflow: float, wall_temperature: float,
+    act: Actuator, pressure: float, gas_temperature: float, volume: float, swept: float,
+    compliance: float, enthalpy_flow: float, inflow: float, wall_temperature: float,
 ) -> tuple[float, float]:
     """
     Return (dp/dt in Pa/s, dT/dt in K/s) of the energy balance with heat through the wall.
 
-    `enthalpy_flow` is the sum of q T of all streams, kg K/s; `inflow` the sum of q, kg/s.
+    `swept` and `compliance` as in `isothermal_pressure_rate`; `enthalpy_flow` is the sum of q T of
+    all streams, kg K/s; `inflow` the sum of q, kg/s.
     """
     absolute = pressure + ATMOSPHERE
-    volume = chamber_volume(act, position)
-    volume_rate = diaphragm_area(act, position) * velocity
     heat = (wall_temperature - gas_temperature) / act.thermal_resistance
     rate = (
-        HEAT_RATIO * (GAS_CONSTANT * enthalpy_flow - absolute * volume_rate)
+        HEAT_RATIO * (GAS_CONSTANT * enthalpy_flow - absolute * swept)
         + (HEAT_RATIO - 1.0) * heat
-    ) / volume
+    ) / (volume + HEAT_RATIO * absolute * compliance)
+    volume_rate = swept + compliance * rate
     mass = absolute * volume / (GAS_CONSTANT * gas_temperature)
     return rate, gas_temperature * (rate / absolute + volume_rate / volume - inflow / mass)
 

@@ -12,9 +12,10 @@ from typing import Annotated, NamedTuple
 from .quantity import Quantity
 
 LOCATIONS = ('none', 'ep_converter', 'booster', 'supply', 'chamber', 'stem', 'pressure_sensor',
-             'position_sensor')
-LOCATION_UNITS = ('-', 'Pa', 'N', 'Pa', 'kg/s', 'N', 'Pa', 'm')
-NONE, EP_CONVERTER, BOOSTER, SUPPLY, CHAMBER, STEM, PRESSURE_SENSOR, POSITION_SENSOR = range(8)
+             'position_sensor', 'chamber_volume')
+LOCATION_UNITS = ('-', 'Pa', 'N', 'Pa', 'kg/s', 'N', 'Pa', 'm', 'm^3')
+NONE, EP_CONVERTER, BOOSTER, SUPPLY, CHAMBER, STEM, PRESSURE_SENSOR, POSITION_SENSOR, \
+    CHAMBER_VOLUME = range(9)
 
 VARIABLES = ('time', 'control_current', 'back_pressure', 'supply_pressure', 'chamber_pressure',
              'valve_position', 'stem_velocity', 'booster_force')
@@ -38,8 +39,8 @@ class Discrepancy(NamedTuple):
         'unit of the variable', 'variable at the last value')] = 1.0
     values: Annotated[tuple[float, ...], Quantity(
         'Pa (ep_converter, supply, pressure_sensor), N (booster, stem), kg/s (chamber), '
-        'm (position_sensor)', f'the term at {KNOTS} values of the variable, equidistant but for '
-        'the two fades',
+        'm (position_sensor), m^3 (chamber_volume)',
+        f'the term at {KNOTS} values of the variable, equidistant but for the two fades',
     )] = (0.0,) * KNOTS
     fade_below: Annotated[float, Quantity(
         'unit of the variable', 'from the first value to the second; 0: as to any other',
@@ -53,10 +54,13 @@ def can_depend(location: int, variable: int) -> bool:
     """
     Tell whether the term of a component can follow a variable.
 
-    The supply knows the time alone; the booster's force is no input of converter and stem.
+    The supply knows the time alone; the booster's force is no input of converter and stem; the
+    chamber's volume changes with the stem and the pressure.
     """
     if location == SUPPLY:
         return variable == TIME
+    if location == CHAMBER_VOLUME:
+        return variable in (CHAMBER_PRESSURE, VALVE_POSITION)
     return variable != BOOSTER_FORCE or location not in (EP_CONVERTER, STEM)
 
 
@@ -73,13 +77,25 @@ def interpolate(table: Discrepancy, value: float) -> float:
     """Return the term at `value`, in the unit of the table's location; zero outside."""
     if not table.low <= value <= table.high:  # also where the value is no number
         return 0.0
+    left, share, _ = _interval(table, value)
+    return table.values[left] * (1.0 - share) + table.values[left + 1] * share
+
+
+def slope(table: Discrepancy, value: float) -> float:
+    """Return how the term rises with the variable at `value`; zero outside."""
+    if not table.low <= value <= table.high:
+        return 0.0
+    left, _, width = _interval(table, value)
+    return (table.values[left + 1] - table.values[left]) / width
+
+
+def _interval(table: Discrepancy, value: float) -> tuple[int, float, float]:
+    """Return the number of the table's value below, the share of the way to the next, its width."""
     first, last = covered(table)
     if value < first:
-        left, share = 0, (value - table.low) / (first - table.low)
-    elif value > last:
-        left, share = KNOTS - 2, (value - last) / (table.high - last)
-    else:
-        place = 1.0 + (value - first) / (last - first) * (KNOTS - 3)
-        left = min(int(place), KNOTS - 3)
-        share = place - left
-    return table.values[left] * (1.0 - share) + table.values[left + 1] * share
+        return 0, (value - table.low) / (first - table.low), first - table.low
+    if value > last:
+        return KNOTS - 2, (value - last) / (table.high - last), table.high - last
+    place = 1.0 + (value - first) / (last - first) * (KNOTS - 3)
+    left = min(int(place), KNOTS - 3)
+    return left, place - left, (last - first) / (KNOTS - 3)

@@ -12,13 +12,15 @@ from typing import NamedTuple
 
 from . import discrepancy as term
 from .actuator import (
-    Actuator, breakaway_friction, energy_rates, has_dry_friction, is_rigid,
+    SMALLEST_VOLUME, Actuator, breakaway_friction, chamber_volume, diaphragm_area, energy_rates,
+    has_dry_friction, is_rigid,
     isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
     sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
-from .discrepancy import Discrepancy, interpolate
+from .discrepancy import Discrepancy, interpolate, slope
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
+from .gas import ATMOSPHERE
 from .sensors import Sensors, lagged, position_reading, pressure_reading
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
@@ -35,6 +37,10 @@ STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_p
 (DIRECTION, TRIAL_STEP, STIFFNESS, STEP_AHEAD, PASSED, STANDING, EP_PLAY, LAGGED_PRESSURE,
  LAGGED_POSITION, POSITION_PLAY) = range(10)
 MEMORIES = 10
+
+
+LARGEST_YIELD = 0.5
+"""Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
 
 
 class PositionerParameters(NamedTuple):
@@ -138,6 +144,23 @@ def booster_force(p: PositionerParameters, time: float, current: float, y) -> fl
     return force + discrepancy_at(p.discrepancy, term.BOOSTER, time, current, y, force)
 
 
+def chamber_space(p: PositionerParameters, pressure: float, position: float
+                  ) -> tuple[float, float, float]:
+    """Return the chamber's volume V, m³, dV/dx, m², and its compliance dV/dp, m³/Pa."""
+    volume, area = chamber_volume(p.actuator, position), diaphragm_area(p.actuator, position)
+    table = p.discrepancy
+    if table.location != term.CHAMBER_VOLUME:
+        return volume, area, 0.0
+    by_stem = table.variable == term.VALVE_POSITION
+    value = position if by_stem else pressure
+    volume = max(volume + interpolate(table, value), SMALLEST_VOLUME * p.actuator.dead_volume)
+    steep = slope(table, value)
+    if by_stem:
+        return volume, area + steep, 0.0
+    # a table that falls is no chamber that bursts
+    return volume, area, max(steep, -LARGEST_YIELD * volume / (pressure + ATMOSPHERE))
+
+
 def net_stem_force(p: PositionerParameters, time: float, current: float, y) -> float:
     """Return the force on the stem except dry friction, N, positive towards open."""
     extra = discrepancy_at(p.discrepancy, term.STEM, time, current, y, 0.0)
@@ -184,16 +207,18 @@ def derivatives(
 
     extra = discrepancy_at(p.discrepancy, term.CHAMBER, time, current, y, force)
     leaked = leak_flow(p.actuator, chamber, gas_temperature, ambient, extra)
+    volume, area, compliance = chamber_space(p, chamber, y[POSITION])
+    swept = area * y[VELOCITY]
     rates[TEMPERATURE] = 0.0
     if p.actuator.thermal_resistance > 0.0:
         enthalpy = delivered * (ambient if delivered > 0.0 else gas_temperature)
         enthalpy -= leaked * (gas_temperature if leaked > 0.0 else ambient)
         rates[CHAMBER], rates[TEMPERATURE] = energy_rates(
-            p.actuator, chamber, gas_temperature, y[POSITION], y[VELOCITY], enthalpy,
+            p.actuator, chamber, gas_temperature, volume, swept, compliance, enthalpy,
             delivered - leaked, ambient)
     else:
         rates[CHAMBER] = isothermal_pressure_rate(
-            p.actuator, chamber, y[POSITION], y[VELOCITY], delivered - leaked, ambient)
+            p.actuator, chamber, volume, swept, compliance, delivered - leaked, ambient)
 
     friction = 0.0
     if direction != 0.0:

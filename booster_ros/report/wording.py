@@ -41,6 +41,7 @@ _PLACES = {
     'sensor': 'a sensor',
     'pressure_sensor': 'the pressure sensor',
     'position_sensor': 'the position sensor',
+    'chamber_volume': 'the volume of the actuator chamber',
 }
 
 
