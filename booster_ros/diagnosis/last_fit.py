@@ -18,17 +18,14 @@ from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.intervals import (
     block_bootstrap, block_bootstrap_of_means, undetermined)
 from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
-from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given
+from booster_ros.diagnosis.search import (
+    EVALUATIONS, LAST_EVALUATIONS, Search, as_given, settled)
 from booster_ros.diagnosis.segments import USED, segment_of_row
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, with_gentle_ends
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
-
-LAST_EVALUATIONS = 30
-"""Steps of the last fit, which goes on until it stands."""
-
 
 @dataclass(frozen=True, eq=False)
 class LastFit:
@@ -73,29 +70,29 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
     """
     Return the candidate fitted to all but the locked part, sizes that show nowhere left out.
 
-    A stem that sticks is fitted through its slips, see `_through_slips`, any other one to its very
-    end, see `_settled`.
+    A stem that sticks is fitted through its slips, any other one to its very end.
     """
     problem = search.on(candidate.problem, USED, 1)
     dry = has_dry_friction(candidate.fit.parameters.actuator)
-    fit = _through_slips(search, problem, candidate) if dry else _settled(problem, candidate)
+    fit = _through_slips(search, problem, candidate) if dry else _without_slips(
+        problem, candidate)
     return LastFit(problem, problem.without_unseen(fit))
 
 
-def _settled(problem: Problem, candidate: Candidate) -> Fit:
+def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
     """
-    Return the better one of the fits from what was found and from the parameters as given.
+    Return the fit to its end; where it leaves more than noise, also from typical shapes.
 
-    Before an effect was in the model the declared parameters had imitated it. Those that a record
-    hardly shows come back slowly from there, and may show in another one; from the given ones a fit
-    does not go there. A table has no typical shape to begin with, and one over the stem's velocity
-    can swing on the way from nothing: minutes a fit.
+    A table has no typical shape to begin with, and one over the stem's velocity can swing on the
+    way from nothing: minutes a fit.
     """
-    starts = [candidate.fit.z]
-    if candidate.effects and not _unnamed(candidate):
-        starts.append(as_given(problem, candidate.fit.z))
-    fits = [problem.fit(z, LAST_EVALUATIONS, SETTLED) for z in starts]
-    return min(fits, key=lambda found: found.cost)
+    if not candidate.effects or _unnamed(candidate):
+        return problem.fit(candidate.fit.z, LAST_EVALUATIONS, SETTLED)
+    fit = settled(problem, candidate.fit.z)
+    if fit.cost < NEAR_NOISE * problem.rows_counted():
+        return fit
+    again = problem.fit(as_given(problem, fit.z), evaluations=EVALUATIONS)
+    return min(fit, again, key=lambda found: found.cost)
 
 
 def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> Fit:

@@ -9,7 +9,7 @@ what lies between two similar effects. So the close ones meet again:
 1. those of as many effects whose score is near that of the choice;
 2. those that this record could not tell from the choice by its sensitivities (see indistinct),
    also where no fit has found that yet;
-3. all are fitted to every row of the fit and select segments, until that no longer pays;
+3. all are fitted to every row of the fit and select segments, to their very ends;
 4. of those that this does not make unlikely beside the best, the plainest is taken.
 
 Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
@@ -56,7 +56,7 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
         rivals.setdefault(frozenset(one.effects), one)
     if not rivals:
         return [chosen]
-    again = [search.on_both(one, 1) for one in (chosen, *list(rivals.values())[:RIVALS])]
+    again = [search.to_the_end(one) for one in (chosen, *list(rivals.values())[:RIVALS])]
     least = min(one.fit.cost for one in again)
     return sorted(again, key=lambda one: plainness(one, one.fit.cost - least))
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import Candidate
+from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.freedom import BENCH, Free
@@ -23,8 +24,8 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
-EVALUATIONS = 10
-"""Steps of one fit."""
+EVALUATIONS, LAST_EVALUATIONS = 10, 30
+"""Steps of one fit, and of one that is to go to its very end."""
 
 FAR_BEHIND = 10.0
 """A model that costs so much more than another one is no rival of it: no more fitting."""
@@ -148,6 +149,11 @@ class Search:
         begun = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
         return self.rate(candidate.effects, problem, polished(problem, begun))
 
+    def to_the_end(self, candidate: Candidate) -> Candidate:
+        """Return the model fitted to every row of the fit and select segments, to its very end."""
+        problem = self.on(candidate.problem, ('fit', 'select'), 1)
+        return self.rate(candidate.effects, problem, settled(problem, candidate.fit.z))
+
     def fault(self, problem: Problem, fit: Fit, effect: str) -> str:
         """Return why a fitted effect is none that this record shows, '' where it is one."""
         of_row = segment_of_row(self.segments, len(self.experiment.time))
@@ -167,16 +173,36 @@ def carried(target: Problem, *sources: Fit) -> Array:
     return np.concatenate([body, sources[0].z[len(sources[0].freedoms):]])
 
 
-def as_given(problem: Problem, z: Array) -> Array:
-    """Return z with the sizes of the effects alone: declared parameters and start as given."""
+def declared_as_given(problem: Problem, z: Array) -> Array:
+    """Return z with the effects alone: declared parameters and start as given."""
     fresh = z.copy()
     fresh[len(problem.freedoms):] = 0.0
     for j, free in enumerate(problem.freedoms):
         if np.isfinite(free.sigma) or free.knob.parameter in BENCH:
             fresh[j] = 0.0
-        elif free.knob.shape:
+    return fresh
+
+
+def as_given(problem: Problem, z: Array) -> Array:
+    """Return z with the sizes of the effects alone, their shapes typical, all else as given."""
+    fresh = declared_as_given(problem, z)
+    for j, free in enumerate(problem.freedoms):
+        if free.knob.shape and not np.isfinite(free.sigma):
             fresh[j] = free.without_size
     return fresh
+
+
+def settled(problem: Problem, z: Array) -> Fit:
+    """
+    Return the better one of the fits from z and from its effects with all else as given.
+
+    Before an effect was in the model the declared parameters had imitated it. Those that a record
+    hardly shows come back from there in tiny steps, and may show in another record; from the given
+    ones a fit does not go there, and is soon at its very end.
+    """
+    fits = [problem.fit(z, evaluations=EVALUATIONS),
+            problem.fit(declared_as_given(problem, z), LAST_EVALUATIONS, SETTLED)]
+    return min(fits, key=lambda found: found.cost)
 
 
 def polished(problem: Problem, fit: Fit, worth: float = WORTH_POLISHING) -> Fit:
