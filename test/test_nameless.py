@@ -89,6 +89,14 @@ def test_a_fault_of_its_own_is_why_a_model_was_dropped_before_any_comparison():
         'not told apart from the choice by this record')
 
 
+def test_what_is_held_out_is_the_best_fit_that_did_not_learn_from_it():
+    stuck = scored(('stem_friction',), 24.0, 24.0, 24.0, 24.0)
+    found = scored(('stem_friction',), 1.1, 1.1, 1.1, 1.1)
+    taught = replace(scored(('stem_friction',), 1.0, 1.0, 1.0, 1.0), learnt=True)
+    for order in ((stuck, taught, found), (taught, found, stuck)):
+        assert Tried(stuck, taught, order, {}).held_out is found
+
+
 def test_where_no_name_was_found_a_term_is_the_verdict():
     refit = scored((), 40.0, 40.0, 40.0, 40.0)
     assert preferable(UNEVEN, Tried(refit, refit, (refit,), {}))

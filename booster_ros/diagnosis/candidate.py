@@ -36,7 +36,8 @@ class Candidate:
     A model: its effects, its fit, and how it scores on the select segments.
 
     `confirmed` says that its last effect explains enough of what is seen above the stem, where
-    the stem's friction blurs the whole; `fault` why its last effect is none that this record shows.
+    the stem's friction blurs the whole; `fault` why its last effect is none that this record shows;
+    `learnt` that it was fitted to the select segments as well.
     """
 
     effects: tuple[str, ...]
@@ -47,6 +48,7 @@ class Candidate:
     samples: int
     confirmed: bool = False
     fault: str = ''
+    learnt: bool = False
 
     @property
     def score(self) -> float:

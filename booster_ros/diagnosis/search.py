@@ -147,12 +147,14 @@ class Search:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""
         problem = self.on(candidate.problem, ('fit', 'select'), factor)
         begun = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
-        return self.rate(candidate.effects, problem, polished(problem, begun))
+        fitted = self.rate(candidate.effects, problem, polished(problem, begun))
+        return replace(fitted, learnt=True)
 
     def to_the_end(self, candidate: Candidate) -> Candidate:
         """Return the model fitted to every row of the fit and select segments, to its very end."""
         problem = self.on(candidate.problem, ('fit', 'select'), 1)
-        return self.rate(candidate.effects, problem, settled(problem, candidate.fit.z))
+        fitted = self.rate(candidate.effects, problem, settled(problem, candidate.fit.z))
+        return replace(fitted, learnt=True)
 
     def fault(self, problem: Problem, fit: Fit, effect: str) -> str:
         """Return why a fitted effect is none that this record shows, '' where it is one."""

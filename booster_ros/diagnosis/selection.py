@@ -79,8 +79,9 @@ class Tried:
 
     @property
     def held_out(self) -> Candidate:
-        """The chosen effects as they scored on segments they had not been fitted to."""
-        return next(one for one in self.all if set(one.effects) == set(self.chosen.effects))
+        """The chosen effects as they scored best on segments they had not been fitted to."""
+        same = (one for one in self.all if set(one.effects) == set(self.chosen.effects))
+        return min(same, key=lambda one: (one.learnt, one.score))
 
 
 def named(search: Search, tell: Progress) -> Tried:
