@@ -13,6 +13,7 @@ from booster_ros.diagnosis.candidate import Candidate, clearly_better, why_dropp
 from booster_ros.diagnosis.experiment import rmse
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.freedom import declared_freedom
+from booster_ros.diagnosis.last_fit import _without
 from booster_ros.diagnosis.nameless import (
     as_good, beyond_names, compete, over_time, preferable, term_alone)
 from booster_ros.diagnosis.preparation import prepare
@@ -87,6 +88,15 @@ def test_a_fault_of_its_own_is_why_a_model_was_dropped_before_any_comparison():
         '4 times the squared error of the choice')
     assert why_dropped(scored(('seat_load',), 2.0, 2.1, 2.0, 2.1), chosen) == (
         'not told apart from the choice by this record')
+
+
+def test_friction_that_does_not_differ_along_the_travel_stays_friction():
+    bent = scored(('chamber_leak', 'position_dependent_friction'), 1.15, 1.15, 1.15, 1.15)
+    plain = scored(('stem_friction', 'chamber_leak'), 1.22, 1.22, 1.22, 1.22)
+    leak = scored(('chamber_leak',), 28.0, 28.0, 28.0, 28.0)
+    models = Tried(leak, bent, (leak, bent, plain), {})
+    assert _without(models, 'position_dependent_friction', 'not told from none').chosen is plain
+    assert _without(replace(models, chosen=plain), 'stem_friction', 'none').chosen is leak
 
 
 def test_what_is_held_out_is_the_best_fit_that_did_not_learn_from_it():

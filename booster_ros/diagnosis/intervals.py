@@ -207,6 +207,11 @@ def sizes_of(effect: str) -> set[str]:
     return {knob.parameter for knob in EFFECTS[effect].knobs if not knob.shape}
 
 
+def within(effect: str) -> set[str]:
+    """Return the effects that this one builds on: it has sizes that are theirs."""
+    return {name for name in EFFECTS if name != effect and sizes_of(effect) & own_sizes(name)}
+
+
 def shapes_of(effect: str) -> set[str]:
     """Return the parameters that give an effect its shape; KeyError if there is none such."""
     return {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}

@@ -16,7 +16,7 @@ from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.intervals import (
-    block_bootstrap, block_bootstrap_of_means, undetermined)
+    block_bootstrap, block_bootstrap_of_means, undetermined, within)
 from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
 from booster_ros.diagnosis.search import (
     EVALUATIONS, LAST_EVALUATIONS, Search, as_given, settled)
@@ -124,8 +124,13 @@ def _term(search: Search, candidate: Candidate, before: LastFit) -> LastFit:
 
 
 def _without(tried: Tried, name: str, fault: str) -> Tried:
-    """Return the models tried with the best of those chosen that has the other effects at most."""
-    rest = set(tried.chosen.effects) - {name}
+    """
+    Return the models tried with the best of those chosen that has the other effects at most.
+
+    And those that the one left out builds on: friction that does not differ along the travel is
+    friction all the same.
+    """
+    rest = (set(tried.chosen.effects) | within(name)) - {name}
     chosen = min((c for c in tried.all if set(c.effects) <= rest and not c.fault),
                  key=lambda c: c.score)
     reasons = {**tried.reasons, frozenset(tried.chosen.effects):
