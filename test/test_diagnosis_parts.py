@@ -368,6 +368,10 @@ def test_what_lies_above_a_stem_that_sticks_is_taken_from_there():
     assert p.actuator.viscous_friction == pytest.approx(P.actuator.viscous_friction)
     assert p.actuator.coulomb_friction == pytest.approx(400.0)
     assert p.actuator.stiction == pytest.approx(100.0)
+    elsewhere = standing_at(search, bent.effects, {
+        **RUBBING, 'actuator.coulomb_friction': 350.0}).fit.z
+    p = bent.problem.parameters(as_seen_above(search, bent, elsewhere, ('fit',)))
+    assert p.actuator.coulomb_friction == pytest.approx(350.0)
     smooth = standing_at(search, ('chamber_leak',), {'ep_converter.offset': 5e3})
     assert (as_seen_above(search, smooth, smooth.fit.z, ('fit',)) == smooth.fit.z).all()
 
@@ -395,6 +399,22 @@ def test_slips_by_chance_do_not_decide_between_effects_above_the_stem(plainer, p
         **RUBBING, 'actuator.coulomb_friction': 385.0, 'actuator.leak_area': 4e-8})
     assert unlucky.score > 1.2 * chosen.score
     assert _plainest_above(search, [chosen, unlucky]) is (unlucky, chosen)[place]
+
+
+def test_a_rival_that_got_stuck_meets_again_if_it_leaves_less_above_the_stem():
+    """Its own friction is far off: it begins with that of the choice."""
+    search = searching(seen(LEAKING), ())
+    chosen = standing_at(search, ('exhaust_asymmetry', 'stem_friction'), {
+        **RUBBING, 'booster.exhaust_gain_ratio': 1.1})
+    stuck = standing_at(search, ('stem_friction', 'chamber_leak'), {
+        **RUBBING, 'actuator.coulomb_friction': 2000.0, 'actuator.leak_area': 4e-8})
+    assert stuck.score > 2.0 * chosen.score
+    again = rematch(search, chosen, [chosen, stuck])
+    assert again[0].effects == ('stem_friction', 'chamber_leak')
+    assert again[0].misfit < 1.3
+    found = again[0].fit.parameters.actuator
+    assert found.coulomb_friction == pytest.approx(400.0, rel=0.05)
+    assert rematch(search, again[0], [again[0], chosen])[0] is again[0]
 
 
 @pytest.mark.parametrize(('stuck', 'least', 'most'), [(385.0, 1.0, 2.0), (340.0, 2.0, 50.0)])

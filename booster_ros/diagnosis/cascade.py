@@ -104,12 +104,11 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     upper = fitted_above(search, candidate, roles)
     if upper is None:
         return z
-    freedoms = candidate.problem.freedoms
-    body = carried(candidate.problem, candidate.fit, upper.fit)[:len(freedoms)]
-    for j, free in enumerate(freedoms):
+    place = carried(candidate.problem, replace(candidate.fit, z=z), upper.fit)
+    for j, free in enumerate(candidate.problem.freedoms):
         if free.knob.parameter == _IMITATES:
-            body[j] = 0.0
-    return np.concatenate([body, z[len(body):]])
+            place[j] = 0.0
+    return place
 
 
 def seen_from_above(search: Search, candidate: Candidate) -> Candidate:

@@ -18,15 +18,17 @@ they share with the choice, or with what is seen above the stem where they diffe
 plainest of those not told apart is taken, by all or, where they differ above the stem, by what is
 seen there. An effect that the choice has in it (friction that is the
 same everywhere, in one that may differ) is fitted again whatever it scored: where it does not reach
-what the choice does though its size is enough for that, its fit got stuck.
+what the choice does though its size is enough for that, its fit got stuck. So is one that leaves
+less than the choice above the stem.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
 from booster_ros.diagnosis.cascade import as_seen_above, fitted_above, shows_above_the_stem
 from booster_ros.diagnosis.indistinct import alike
-from booster_ros.diagnosis.intervals import own_sizes, sizes_of
+from booster_ros.diagnosis.intervals import within
 from booster_ros.diagnosis.next_effect import redundant
 from booster_ros.diagnosis.search import EVALUATIONS, Search, carried
 from booster_ros.model.actuator import has_dry_friction
@@ -38,7 +40,9 @@ RIVALS = 3
 """So many of them at the most."""
 
 ROUGHLY = 2.0
-"""The same where the stem sticks."""
+"""
+The same where the stem sticks, and up to where slips that come by chance may tell models apart.
+"""
 
 
 def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
@@ -63,17 +67,18 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
 
 def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
     """Return the choice and its rivals in the place of one effect, the plainest first."""
-    rivals: dict[frozenset[str], Candidate] = {}
+    near: dict[frozenset[str], Candidate] = {}
+    far: dict[frozenset[str], Candidate] = {}
     for one in sorted(tried, key=lambda c: c.score):
         swapped = set(one.effects) ^ set(chosen.effects)
         alike = len(swapped) == 2 and len({shows_above_the_stem(name) for name in swapped}) == 1
-        same = alike and len(one.effects) == len(chosen.effects)
-        near = one.score < ROUGHLY * chosen.score or _in_the_choice(one, chosen)
-        if same and not one.fault and near:
-            rivals.setdefault(frozenset(one.effects), one)
+        if alike and len(one.effects) == len(chosen.effects) and not one.fault:
+            close = one.score < ROUGHLY * chosen.score or _in_the_choice(one, chosen)
+            (near if close else far).setdefault(frozenset(one.effects), one)
+    rivals = [*_better_above(search, chosen, far.values()), *near.values()]
     known = {free.knob.parameter for free in chosen.problem.freedoms}
     again = [chosen]
-    for one in list(rivals.values())[:RIVALS]:
+    for one in rivals[:RIVALS]:
         z = carried(one.problem, one.fit, chosen.fit)
         for j, free in enumerate(one.problem.freedoms):
             if free.knob.parameter not in known and not free.knob.shape:
@@ -87,6 +92,21 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
     return [plainest, *(one for one in ranked if one is not plainest)]
 
 
+def _better_above(search: Search, chosen: Candidate, far: Iterable[Candidate]) -> list[Candidate]:
+    """
+    Return those far behind the choice that leave less than it does above the stem.
+
+    Fitted in the whole beside friction that suited another effect, they got stuck.
+    """
+    others = [one for one in far
+              if any(map(shows_above_the_stem, set(one.effects) - set(chosen.effects)))]
+    mine = fitted_above(search, chosen, ('fit',)) if others else None
+    if mine is None:
+        return []
+    seen = [(fitted_above(search, one, ('fit',)), one) for one in others]
+    return [one for above, one in seen if above is not None and above.score < mine.score]
+
+
 def _plainest_above(search: Search, ranked: list[Candidate]) -> Candidate:
     """
     Return the first, or the plainest of those that do as well above the stem and differ only there.
@@ -95,8 +115,9 @@ def _plainest_above(search: Search, ranked: list[Candidate]) -> Candidate:
     come by chance may tell them apart.
     """
     best = ranked[0]
-    alike = [best, *(one for one in ranked[1:] if not one.fault and all(
-        map(shows_above_the_stem, set(one.effects) ^ set(best.effects))))]
+    alike = [best, *(one for one in ranked[1:] if not one.fault
+                     and one.score < ROUGHLY * best.score and all(
+                         map(shows_above_the_stem, set(one.effects) ^ set(best.effects))))]
     if len(alike) == 1:
         return best
     upper = [(fitted_above(search, one, ('fit',)), one) for one in alike]
@@ -109,7 +130,7 @@ def _plainest_above(search: Search, ranked: list[Candidate]) -> Candidate:
 def _in_the_choice(one: Candidate, chosen: Candidate) -> bool:
     """Tell whether an effect of the choice builds on a size of one that the other has instead."""
     mine, its = set(chosen.effects) - set(one.effects), set(one.effects) - set(chosen.effects)
-    return any(sizes_of(a) & own_sizes(b) for a in mine for b in its)
+    return any(b in within(a) for a in mine for b in its)
 
 
 def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
