@@ -27,6 +27,7 @@ from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
 
+
 @dataclass(frozen=True, eq=False)
 class LastFit:
     """
