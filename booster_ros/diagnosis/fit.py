@@ -23,6 +23,7 @@ from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.freedom import BENCH, Free, put
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.parameters import ParameterError, check_consistent
+from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.system import Departure, PositionerParameters
 
 Array = np.ndarray
@@ -126,12 +127,12 @@ class Problem:
             back = start.departure.back_pressure + 500.0 * back
             start = replace(
                 start, departure=Departure(back, ep_play, position_play, 10.0 * warmth),
-                chamber_pressure=start.chamber_pressure + 100.0 * pressure
-                - p.sensors.pressure_bias)
+                chamber_pressure=pressure_behind(
+                    p.sensors, start.chamber_pressure + 100.0 * pressure))
         if start.valve_position is None or not has_dry_friction(p.actuator):
             return replace(start, valve_position=None)
         sensors = p.sensors
-        read = (start.valve_position - sensors.position_bias) / (1.0 + sensors.position_span_error)
+        read = position_behind(sensors, start.valve_position)
         lost = 0.5 * sensors.position_backlash * start.departure.position_play
         return replace(start, valve_position=read - lost)
 

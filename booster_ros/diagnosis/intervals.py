@@ -165,7 +165,7 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
         return 'its size is not told from none'
     at_bound = [problem.freedoms[j].knob.parameter for j in sizes
                 if _at_bound(problem.freedoms[j], fit.z[j])]
-    alike = traded(problem, fit, effect)
+    alike = traded(problem, fit, effect) if at_bound else []
     stuck = [name for name in at_bound if name not in alike]
     return f'{stuck[0]} runs into its bound' if stuck else ''
 

@@ -42,6 +42,16 @@ def pressure_reading(sensors: Sensors, pressure: float) -> float:
     return pressure + sensors.pressure_bias
 
 
+def pressure_behind(sensors: Sensors, reading: float) -> float:
+    """Return the pressure, Pa gauge, behind a reading: the inverse of `pressure_reading`."""
+    return reading - sensors.pressure_bias
+
+
+def position_behind(sensors: Sensors, reading: float) -> float:
+    """Return the position, m, behind a reading: the inverse of `position_reading`."""
+    return (reading - sensors.position_bias) / (1.0 + sensors.position_span_error)
+
+
 def position_reading(sensors: Sensors, position: float) -> float:
     """Return the reading, m, of a position that has passed backlash and lag."""
     return position * (1.0 + sensors.position_span_error) + sensors.position_bias

@@ -10,6 +10,7 @@ has hysteresis: what they leave open is taken so that nothing moves, or as littl
 from collections.abc import Callable, Mapping
 
 from .actuator import balance_position
+from .sensors import position_behind, pressure_behind
 from .stream import settled_state
 from .system import CHAMBER, STATES, Departure, PositionerParameters, derivatives, start_current
 
@@ -36,12 +37,10 @@ def start_of_readings(
     state: dict[str, float] = {}
     position_play = ep_play = 0.0
     if 'valve_position' in readings:
-        state['valve_position'] = (
-            readings['valve_position'] - sensors.position_bias) / (
-            1.0 + sensors.position_span_error)
+        state['valve_position'] = position_behind(sensors, readings['valve_position'])
     if 'chamber_pressure' in readings:
-        pressure = state['chamber_pressure'] = (
-            readings['chamber_pressure'] - sensors.pressure_bias)
+        pressure = pressure_behind(sensors, readings['chamber_pressure'])
+        state['chamber_pressure'] = pressure
         if 'valve_position' in state and sensors.position_backlash > 0.0:
             half, shown = 0.5 * sensors.position_backlash, state['valve_position']
             balance = balance_position(p.actuator, pressure)
