@@ -376,6 +376,35 @@ def test_an_absolute_pressure_and_one_in_mbar_that_drive_the_stem_are_refused(wr
         prepare(record_of(**columns), DECLARED)
 
 
+@pytest.mark.parametrize('in_mbar', [
+    ('back_pressure',), ('supply_pressure',), ('back_pressure', 'supply_pressure'),
+    ('back_pressure', 'supply_pressure', 'chamber_pressure')])
+def test_drives_in_mbar_are_refused_whatever_else_is(in_mbar):
+    columns = step_test()
+    run = simulate(DECLARED, columns['time'], columns['control_current'],
+                   {'chamber_pressure': 215e3})
+    columns |= {'back_pressure': run['back_pressure'], **SUPPLY}
+    if 'back_pressure' in in_mbar:
+        del columns['control_current']
+    prepare(record_of(**columns), DECLARED)
+    columns |= {name: 0.01 * columns[name] for name in in_mbar}
+    named = ' and '.join(name for name in in_mbar if name != 'chamber_pressure')
+    with pytest.raises(RecordError, match=rf'column {named}: .* \(from mbar: times 100\)'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_supply_far_below_the_declared_one_is_no_other_unit_where_the_model_follows_it():
+    time = 0.1 * np.arange(ROWS)
+    current = np.where(time < 10.0, 0.38e-3, 0.40e-3)
+    supply = DECLARED.supply._replace(pressure=15e3)
+    run = simulate(DECLARED._replace(supply=supply), time, current, {'chamber_pressure': 0.0})
+    assert np.ptp(run['chamber_pressure']) > 5e3
+    columns = {'time': time, 'control_current': current,
+               'chamber_pressure': run['chamber_pressure'],
+               'supply_pressure': np.full(ROWS, 15e3)}
+    assert prepare(record_of(**columns), DECLARED).drives
+
+
 def test_a_high_pressure_that_drives_the_stem_as_declared_is_no_absolute_one():
     """The stem stays away from its seat, so the pressure is never near that of the atmosphere."""
     columns = step_test()
