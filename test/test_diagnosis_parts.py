@@ -401,6 +401,21 @@ def test_slips_by_chance_do_not_decide_between_effects_above_the_stem(plainer, p
     assert _plainest_above(search, [chosen, unlucky]) is (unlucky, chosen)[place]
 
 
+@pytest.mark.parametrize(('falls_to', 'left'), [(3.4e-4, 3.5), (4.3e-4, 1.0)])
+def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_little(
+        falls_to, left):
+    """It has no slope in either record; one opens the exhaust further than the intake goes."""
+    current = np.where(TIME < 10.0, 4.8e-4, np.where(TIME < 20.0, falls_to, 4.4e-4))
+    plant = P._replace(booster=P.booster._replace(exhaust_lift_ratio=3.0))
+    search = searching(seen(plant, current=current), ())
+    one = standing_at(search, ('exhaust_asymmetry',), {'booster.exhaust_lift_ratio': 3.5})
+    fit = one.problem.at(one.fit.z)
+    lift = [free.knob.parameter for free in fit.freedoms].index('booster.exhaust_lift_ratio')
+    assert not fit.seen[lift]
+    booster = one.problem.without_unseen(fit).parameters.booster
+    assert booster.exhaust_lift_ratio == pytest.approx(left)
+
+
 def test_a_rival_that_got_stuck_meets_again_if_it_leaves_less_above_the_stem():
     """Its own friction is far off: it begins with that of the choice."""
     search = searching(seen(LEAKING), ())

@@ -133,9 +133,9 @@ def test_booster_dead_band_holds_the_chamber_while_the_back_pressure_turns():
     [
         # the gain shows on small steps, the largest area where the exhaust is wide open
         ({'booster.exhaust_gain_ratio': 0.5}, 150e3, 340e3),
-        ({'booster.exhaust_area_ratio': 0.2}, 0.0, 300e3),
+        ({'booster.exhaust_lift_ratio': 0.2}, 0.0, 300e3),
     ],
-    ids=['gain', 'area'],
+    ids=['width', 'lift'],
 )
 def test_exhaust_asymmetry_shows_on_falling_steps_only(values, low, high):
     up, up_declared = (step(v, low, high)['chamber_pressure'] for v in (values, None))

@@ -125,14 +125,16 @@ NOT_AT_REST = (-0.277, 1.131, 0.167, -0.006, -1.181, -0.619, 0.83, -1.054, 0.016
 """Where the fit of a choice ended: offset and supply pressure one standard deviation off."""
 
 
-def test_the_last_fit_goes_to_its_end_and_keeps_a_seat_wide_that_never_opens_fully(tmp_path):
+def test_the_last_fit_goes_to_its_end_and_leaves_a_lift_that_is_never_reached_alone(tmp_path):
     names = ('exhaust_asymmetry', 'position_sensor_lag')
     search = search_on(((names[0], 0.41183), (names[1], 0.165826)), 1123013, tmp_path)
     problem = search.joint(search.problem(), names)
     chosen = search.rate(names, problem, problem.at(np.array(NOT_AT_REST)))
     last = last_fit(search, chosen)
     found = dict(zip((free.knob.parameter for free in last.problem.freedoms), last.fit.z))
-    assert last.fit.parameters.booster.exhaust_area_ratio > 1.2
+    booster = last.fit.parameters.booster
+    assert booster.exhaust_lift_ratio == 1.0
+    assert booster.exhaust_gain_ratio == pytest.approx(1.41183, rel=0.03)
     left = float(np.sum(last.problem.residuals(last.fit.z)**2))
     assert left < 1.05 * last.problem.rows_counted()
     assert abs(found['ep_converter.offset']) < 0.3

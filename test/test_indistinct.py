@@ -92,7 +92,7 @@ def test_what_cannot_be_told_apart_is_fitted_before_anything_is_chosen(leaking):
 
 def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_reckoned():
     """The declared parameters have to move far before this exhaust is recognised."""
-    plant = put(put(P, 'booster.exhaust_gain_ratio', 0.6), 'booster.exhaust_area_ratio', 0.6)
+    plant = put(P, 'booster.exhaust_gain_ratio', 0.6)
     search = search_of(plant)
     refit = search.refit()
     problem = refit.problem

@@ -11,7 +11,7 @@ from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import ChannelError, Diagnosis
-from booster_ros.model.booster import exhaust_area, intake_area
+from booster_ros.model.booster import exhaust_area, intake_area, largest_exhaust_area
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -65,8 +65,8 @@ def _opened_further(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, 
     judged = _fully_open(experiment, diagnosis.after)
     return tuple(
         f'{100.0 * judged[seat]:.0f} % of the other record has the {seat} open as far as it goes, '
-        'which the first record never had: that largest area is still the declared one, and shows '
-        'as an error if it is wrong'
+        'which the first record never had: its largest area follows from the declared one, and '
+        'shows as an error if that is wrong'
         for seat in judged if judged[seat] >= WORTH_SAYING and fitted[seat] == 0.0)
 
 
@@ -77,7 +77,7 @@ def _fully_open(experiment: Experiment, parameters: PositionerParameters) -> dic
     rows = list(zip(run['booster_force'], run['supply_pressure'], run['chamber_pressure']))
     intake = [intake_area(booster, force, supply, outlet) for force, supply, outlet in rows]
     exhaust = [exhaust_area(booster, force, outlet) for force, _, outlet in rows]
-    largest = {'intake': booster.max_area, 'exhaust': booster.max_area * booster.exhaust_area_ratio}
+    largest = {'intake': booster.max_area, 'exhaust': largest_exhaust_area(booster)}
     return {seat: float(np.mean(np.array(areas) >= FULLY * largest[seat])) if largest[seat] else 0.0
             for seat, areas in (('intake', intake), ('exhaust', exhaust))}
 

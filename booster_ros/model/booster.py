@@ -34,11 +34,11 @@ class Booster(NamedTuple):
     exhaust_preload: Annotated[float, Quantity(
         'N', 'booster_dead_band: force before the exhaust opens, F0', 0.0, 100.0)] = 0.0
     exhaust_gain_ratio: Annotated[float, Quantity(
-        '-', 'exhaust_asymmetry: opening gain of the exhaust relative to the intake',
-        1e-3, 1e3)] = 1.0
-    exhaust_area_ratio: Annotated[float, Quantity(
-        '-', 'exhaust_asymmetry: largest area of the exhaust relative to the intake',
-        1e-3, 1e3)] = 1.0
+        '-', 'exhaust_asymmetry: width of the exhaust seat relative to the intake, which scales '
+        'its opening gain and its largest area', 1e-3, 1e3)] = 1.0
+    exhaust_lift_ratio: Annotated[float, Quantity(
+        '-', 'exhaust_asymmetry: largest lift of the exhaust relative to the intake, which scales '
+        'its largest area', 1e-3, 1e3)] = 1.0
     intake_flow_force: Annotated[float, Quantity(
         '-', 'plug_flow_force: jet force on the intake plug per pressure drop and open area',
         0.0, 1e3)] = 0.0
@@ -95,12 +95,17 @@ def intake_area(booster: Booster, force: float, supply: float, outlet: float) ->
     )
 
 
+def largest_exhaust_area(booster: Booster) -> float:
+    """Return the area, m², at which the exhaust is fully open: width of the seat times lift."""
+    return booster.max_area * booster.exhaust_gain_ratio * booster.exhaust_lift_ratio
+
+
 def exhaust_area(booster: Booster, force: float, outlet: float) -> float:
     """Return the open area of the exhaust, m², with the gauge pressure of the outlet in Pa."""
     return opening_area(
         booster, -force - booster.exhaust_preload,
         booster.opening_gain * booster.exhaust_gain_ratio,
-        booster.max_area * booster.exhaust_area_ratio,
+        largest_exhaust_area(booster),
         booster.exhaust_flow_force * max(outlet, 0.0),
     )
 

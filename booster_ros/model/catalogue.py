@@ -95,9 +95,9 @@ _ROWS = (
     _effect(
         'exhaust_asymmetry', 'booster', 'the exhaust opens differently from the intake',
         'steps up and down', 'equal steps up and down over the same span',
-        'separate gain and area of the exhaust seat',
+        'separate width and lift of the exhaust seat',
         Knob('booster.exhaust_gain_ratio', 0.7, 0.1, 8.0, 1.0),
-        Knob('booster.exhaust_area_ratio', 0.7, 0.1, 8.0, 1.0)),
+        Knob('booster.exhaust_lift_ratio', 0.7, 0.1, 8.0, 1.0)),
     _effect(
         'supply_seat_leak', 'booster', 'the intake seat never closes',
         'settled pressures', 'dead-ended hold: the pressure rises with the booster closed',
