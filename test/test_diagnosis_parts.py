@@ -14,6 +14,7 @@ from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem
 from booster_ros.diagnosis.freedom import declared_freedom, put
+from booster_ros.diagnosis.intervals import interval_of
 from booster_ros.diagnosis.last_fit import last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
@@ -401,10 +402,10 @@ def test_slips_by_chance_do_not_decide_between_effects_above_the_stem(plainer, p
     assert _plainest_above(search, [chosen, unlucky]) is (unlucky, chosen)[place]
 
 
-@pytest.mark.parametrize(('falls_to', 'left'), [(3.4e-4, 3.5), (4.3e-4, 1.0)])
+@pytest.mark.parametrize(('falls_to', 'left', 'least'), [(3.4e-4, 3.5, 1.7), (4.3e-4, 1.0, 0.5)])
 def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_little(
-        falls_to, left):
-    """It has no slope in either record; one opens the exhaust further than the intake goes."""
+        falls_to, left, least):
+    """It has no slope in either record, and any is as good; one opens the exhaust further than the intake goes."""
     current = np.where(TIME < 10.0, 4.8e-4, np.where(TIME < 20.0, falls_to, 4.4e-4))
     plant = P._replace(booster=P.booster._replace(exhaust_lift_ratio=3.0))
     search = searching(seen(plant, current=current), ())
@@ -414,6 +415,10 @@ def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_li
     assert not fit.seen[lift]
     booster = one.problem.without_unseen(fit).parameters.booster
     assert booster.exhaust_lift_ratio == pytest.approx(left)
+    never_drawn = np.tile(fit.z, (400, 1))
+    value, low, high = interval_of(one.problem, never_drawn, fit, lift)
+    assert value == pytest.approx(3.5) and high == pytest.approx(8.0)
+    assert low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened
 
 
 def test_a_rival_that_got_stuck_meets_again_if_it_leaves_less_above_the_stem():

@@ -340,6 +340,9 @@ def test_a_size_that_no_row_shows_goes_back_to_neutral():
     assert fit.parameters.booster.exhaust_preload > 0.0  # a bench never exhausts
     assert booster.exhaust_preload == 0.0
     assert booster.intake_preload == fit.parameters.booster.intake_preload > 0.0
+    preload = [free.knob.parameter for free in fit.freedoms].index('booster.exhaust_preload')
+    drawn = block_bootstrap(problem, fit, np.arange(54))
+    assert interval_of(problem, drawn, fit, preload)[1:] == (0.0, 1.0)  # nothing is known of it
 
 
 def test_a_declared_parameter_that_ends_at_its_limit_is_pointed_out():

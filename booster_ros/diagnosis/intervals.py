@@ -24,6 +24,14 @@ FEW, IN_FEW = 3, 0.9
 WIDEST = 30.0
 """Standard deviation of what a size may be before anything is seen, in typical sizes."""
 
+SILENT = 1.0
+"""Norm of the scaled residuals' change for a typical size below which slopes tell nothing."""
+
+NOTICED = 3.84
+"""Rise of the cost by which the rows notice that such a variable moves: 95 % of chi square."""
+
+HALVINGS = 12
+
 AT_BOUND = 1e-2
 """A size this near its bound, relative to its range, has run into it."""
 
@@ -132,11 +140,15 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[f
     """
     Return (value, low, high) of a variable as the parameter's value, 95 %, within bounds.
 
-    A stiffness or restriction that may as well be none ends at its upper bound, not at the zero
-    that stands for "none" there.
+    What shows nowhere where it stands, a lift of a seat that is never reached, goes to where the
+    rows would notice it (profile likelihood, all else as it is). A stiffness or restriction that
+    may as well be none ends at its upper bound, not at the zero that stands for "none" there.
     """
     free = problem.freedoms[index]
-    low, high = np.quantile(draws[:, index], [0.025, 0.975])
+    if np.linalg.norm(fit.jacobian[:, index]) < SILENT:
+        low, high = (_unnoticed(problem, fit, index, end) for end in (free.low, free.high))
+    else:
+        low, high = np.quantile(draws[:, index], [0.025, 0.975])
     # the draws centre on a step away from the fit where it stopped early: hold both
     value = free.value(fit.z[index])
     ends = [free.value(float(np.clip(z, free.low, free.high)))
@@ -144,6 +156,24 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[f
     if free.knob.inverse and value != free.knob.neutral:
         ends = [end if end != free.knob.neutral else free.knob.high for end in ends]
     return value, min(ends), max(ends)
+
+
+def _unnoticed(problem: Problem, fit: Fit, index: int, bound: float) -> float:
+    """Return how far towards its bound a variable can go before the rows notice."""
+    most = float(np.sum(problem.residuals(fit.z)**2)) + NOTICED
+
+    def unnoticed(end: float) -> bool:
+        moved = fit.z.copy()
+        moved[index] = end
+        return float(np.sum(problem.residuals(moved)**2)) < most
+
+    if unnoticed(bound):
+        return bound
+    inside, outside = float(fit.z[index]), bound
+    for _ in range(HALVINGS):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if unnoticed(middle) else (inside, middle)
+    return inside
 
 
 def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
