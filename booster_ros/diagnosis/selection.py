@@ -14,7 +14,7 @@ named effects, two where the stem sticks. Numbered as carried out:
    intervals), and score the others on the select segments; the score is the sum of squared scaled
    residuals and of the departures that the priors of the declared parameters hold against a model;
 5. keep the best and go on from 2 for a second and a third effect while the score falls by more
-   than one standard error (paired, over segments), by a share that matters, and by a third of
+   than one standard error (paired, over segments), by a share that matters, and by 30 % of
    what noise does not explain; where the stem sticks, what lies above it is sought with the stem
    driven as measured (see cascade). Where noise could be all from the start, an effect must lower
    the cost of the fit clearly as well. What an effect leaves on thinned rows must be left on every
