@@ -244,6 +244,46 @@ def test_of_duplicated_stamps_the_last_row_stays(tmp_path):
     assert 10 not in record.rows
 
 
+def test_rows_of_one_stamp_that_have_a_channel_each_are_one_row(tmp_path):
+    lines = good_lines()
+    expected = read_lines(tmp_path, lines)
+    split = [lines[0]]
+    for line in lines[1:]:
+        time, current, pressure, position = line.split(',')
+        split += [f'{time},{current},,', f'{time},,{pressure},{position}']
+    record = read_lines(tmp_path, split)
+    for name, values in expected.columns.items():
+        assert np.array_equal(record[name], values)
+    assert [d.count for d in defects(record, 'duplicated_stamp')] == [50]
+    assert not defects(record, 'missing_values') and not defects(record, 'missing_command')
+
+
+def test_what_a_stamp_lacks_altogether_is_not_taken_from_another_one(tmp_path):
+    lines = good_lines()
+    time, current, _, position = lines[9].split(',')
+    lines[9:10] = [f'{time},{current},,', f'{time},,,{position}']
+    record = read_lines(tmp_path, lines)
+    assert np.flatnonzero(np.isnan(record['chamber_pressure'])).tolist() == [8]
+
+
+def test_pauses_between_bursts_of_rows_are_no_gaps_and_one_that_is_longer_is(tmp_path):
+    lines = good_lines()
+    time = np.add.outer(0.1 * np.arange(5), 2e-5 * np.arange(10)).ravel()
+    time[30:] += 3.0
+    lines[1:] = [','.join([f'{at:.6f}', *line.split(',')[1:]])
+                 for at, line in zip(time, lines[1:], strict=True)]
+    record = read_lines(tmp_path, lines)
+    assert [piece.start for piece in record.stretches()] == [0, 30]
+
+
+def test_a_clock_that_was_set_while_recording_is_pointed_out(tmp_path):
+    lines = good_lines()
+    lines[20:] = [','.join([str(1.7e9 + float(line.split(',')[0])), *line.split(',')[1:]])
+                  for line in lines[20:]]
+    with pytest.raises(RecordError, match='row 21, column time: 1.7e.09 s after the row before'):
+        read_lines(tmp_path, lines)
+
+
 def test_missing_outputs_stay_missing_and_missing_commands_hold(tmp_path):
     lines = good_lines()
     for row in (10, 11, 12):

@@ -14,7 +14,8 @@ from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
-from booster_ros.records.time_axis import GAP_PERIODS, gap_rows
+from booster_ros.records.holding import last_known
+from booster_ros.records.time_axis import gap_rows, longest_usual
 
 Array = np.ndarray
 
@@ -150,15 +151,10 @@ def _usable_rows(
 
 def _misses(time: Array, drive: Array, rows: Array) -> Array:
     """Tell of each of these rows whether a gap before it hides what moves the chamber."""
-    known, before = np.isfinite(drive), _last_known(drive)[rows - 1]
+    known, before = np.isfinite(drive), last_known(drive)[rows - 1]
     gap, changed = time[rows] - time[before], np.abs(drive[rows] - drive[before])
     hides = (gap > SHORT_GAP) | (gap * changed > MISSED * np.ptp(drive[known]))
     return np.asarray(hides | ~known[rows] | (before < 0))
-
-
-def _last_known(values: Array) -> Array:
-    """Return for each row the last one up to it that has a value, -1 where none has."""
-    return np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), -1))
 
 
 def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
@@ -166,7 +162,7 @@ def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> A
     if not role.commanded:
         return np.zeros(len(next(iter(columns.values()))))
     current = columns['control_current']
-    current = current[_last_known(current)]  # the first row has one
+    current = current[last_known(current)]  # the first row has one
     if quasi_static:
         # a row of a sweep was read after its own current had stood
         return np.append(current[1:], current[-1:])
@@ -194,7 +190,7 @@ def _between_samples(time: Array, values: Array) -> Array:
     if len(known) < 3:
         return values
     after = np.searchsorted(known, time).clip(1, len(known) - 1)
-    near = known[after] - known[after - 1] <= GAP_PERIODS * np.median(np.diff(known))
+    near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
     return np.where(near | np.isfinite(values), _bridged(time, values), np.nan)
 
 

@@ -19,6 +19,7 @@ from ..model.stream import Stream
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
 from ..records import CsvWriter, RecordError, csv_columns, iterate_csv
+from ..records.holding import last_known
 from .compiling import announce_compilation
 
 INPUT = ('time', 'control_current')
@@ -137,11 +138,8 @@ def _first_row(source: Path, row: int, names: Sequence[str], values: np.ndarray
 
 def _held(current: np.ndarray, standing: float) -> np.ndarray:
     """Return the currents with the one before in place of NaN."""
-    known = np.isfinite(current)
-    if known.all():
-        return current
-    latest = np.maximum.accumulate(np.where(known, np.arange(len(current)), -1))
-    return np.where(latest < 0, standing, current[np.maximum(latest, 0)])
+    latest = last_known(current)
+    return np.where(latest < 0, standing, current[latest])
 
 
 def _progress(source: Path) -> tqdm:

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from booster_ros.records.holding import held
 from booster_ros.records.record import COLUMNS, MEASURED, Array, Defect, Record, RecordError
 from booster_ros.records.time_axis import gap_rows
 from booster_ros.records.units import check_above_vacuum, check_pressure_scale
@@ -18,6 +19,7 @@ from booster_ros.records.units import check_above_vacuum, check_pressure_scale
 _UNEVEN_RATIO = 1.5
 _LISTED_RUNS = 8
 _EPOCH_SECONDS = 1e8
+_CLOCK_SET = 1e6
 _LARGEST_GRID = 2**16
 _WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 _FEWEST_ROWS = 200
@@ -73,6 +75,7 @@ def _clean_time(
     for mend in (_drop_rows_without_time, _drop_duplicated_stamps, _start_near_zero):
         columns, rows, mended = mend(columns, rows, source)
         found += mended
+    _check_clock_went_on(columns['time'], rows, source)
     found += gaps(columns['time'], rows)
     found += uneven_sampling(columns['time'])
     return columns, rows, found
@@ -89,7 +92,11 @@ def _drop_rows_without_time(
 def _drop_duplicated_stamps(
     columns: Columns, rows: Array, source: str
 ) -> tuple[Columns, Array, list[Defect]]:
-    """Keep the last of rows with one stamp: it was the newest when the next stamp came."""
+    """
+    Keep the last of rows with one stamp: it was the newest when the next stamp came.
+
+    What it lacks is taken from the others: one stamp may be a row for each channel.
+    """
     steps = np.diff(columns['time'])
     backwards = np.flatnonzero(steps < 0.0)
     if backwards.size:
@@ -101,9 +108,14 @@ def _drop_duplicated_stamps(
     repeated = np.append(steps == 0.0, False)
     if len(rows) > 1 and repeated[:-1].all():
         raise RecordError(f'{source}, row {rows[1]}, column time: stands still in all rows')
-    text = 'repeated in the next row, dropped'
+    if not repeated.any():
+        return columns, rows, []
+    begins = np.append(True, steps > 0.0)
+    since = np.flatnonzero(begins)[np.cumsum(begins) - 1]
+    merged = {name: held(values, since) for name, values in columns.items()}
+    text = 'repeated in the next row, dropped but for what that one lacks'
     found = _listed('duplicated_stamp', 'time', repeated, rows, 'stamp', text)
-    return _select(columns, ~repeated), rows[~repeated], found
+    return _select(merged, ~repeated), rows[~repeated], found
 
 
 def _start_near_zero(
@@ -116,6 +128,16 @@ def _start_near_zero(
     row = int(rows[0])
     shifted = Defect('calendar_time', 'time', row, row, 1, f'time counted from {start:.6f} s')
     return {**columns, 'time': columns['time'] - start}, rows, [shifted]
+
+
+def _check_clock_went_on(time: Array, rows: Array, source: str) -> None:
+    """Raise RecordError where rows are days apart: no valve is simulated across that."""
+    far = np.flatnonzero(np.diff(time) > _CLOCK_SET)
+    if far.size:
+        first = far[0] + 1
+        raise RecordError(
+            f'{source}, row {rows[first]}, column time: {time[first] - time[far[0]]:.4g} s after '
+            'the row before, as where a clock was set; leave out the rows before or behind it')
 
 
 def gaps(time: Array, rows: Array) -> list[Defect]:
@@ -155,18 +177,14 @@ def hold_command(columns: Columns, rows: Array) -> list[Defect]:
     if 'control_current' not in columns:
         return []
     values = columns['control_current']
-    missing = np.isnan(values)
-    last_known = np.maximum.accumulate(np.where(missing, -1, np.arange(values.size)))
-    holdable = missing & (last_known >= 0)
+    since = np.zeros(values.size, dtype=int)
     if 'time' in columns:
-        piece = np.zeros(values.size, dtype=int)
-        piece[gap_rows(columns['time'])] = 1
-        piece = np.cumsum(piece)
-        holdable &= piece == piece[last_known]
-    columns['control_current'] = np.where(holdable, values[last_known], values)
+        after = gap_rows(columns['time'])
+        since[after] = after
+    columns['control_current'] = held(values, np.maximum.accumulate(since))
+    filled = np.isnan(values) & np.isfinite(columns['control_current'])
     text = 'held from the row before'
-    return _listed(
-        'missing_command', 'control_current', holdable, rows, 'missing value', text)
+    return _listed('missing_command', 'control_current', filled, rows, 'missing value', text)
 
 
 def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:
