@@ -32,6 +32,16 @@ def test_a_short_record_is_cut_finer_so_that_each_part_is_there(seconds):
     assert roles['test'] >= 1
 
 
+@pytest.mark.parametrize('interval', [1.0, 24.0, 48.0, 120.0])
+def test_rows_far_apart_are_cut_into_pieces_of_several_rows_for_every_part(interval):
+    time = interval * np.arange(600)
+    segments = split(time, np.arange(600) // 10 % 2 * 1.0)
+    assert [s.first for s in segments[1:]] == [s.last for s in segments[:-1]]
+    assert min(s.last - s.first for s in segments) >= 4
+    roles = Counter(s.role for s in segments)
+    assert roles['fit'] > roles['select'] > 20 and roles['test'] > 10
+
+
 def test_a_record_too_short_to_hold_anything_back_is_refused():
     time = np.arange(0.0, 0.5, 0.01)
     with pytest.raises(RecordError, match=r'too short, 50 rows over 0\.49 s'):

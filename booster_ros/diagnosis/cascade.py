@@ -43,6 +43,8 @@ def above_the_stem(experiment: Experiment) -> Experiment | None:
     both = {'chamber_pressure', 'valve_position'} <= set(experiment.measured)
     if not both or experiment.pinned or experiment.quasi_static:
         return None
+    if not np.isfinite(experiment.measured['valve_position']).any():
+        return None
     interval = np.diff(experiment.time)
     if len(interval) < 10 * WINDOW or np.max(interval) > 4.0 * np.median(interval):
         return None

@@ -19,6 +19,9 @@ SHORTEST = 3.0
 LONGEST = 8.0
 """A segment without a change of the drive is cut after this time, s."""
 
+FEWEST_ROWS = 4
+"""But no piece is of fewer rows, where rows are seconds apart."""
+
 FEWEST = {'fit': 2, 'select': 2, 'test': 1}
 FINEST = 32
 """Segments of each role that a record must have. A short one is cut into pieces shorter than these
@@ -89,19 +92,19 @@ def _cut(clock: Array, changes: Array, shortest: float, longest: float, locked: 
          ) -> list[Segment]:
     edges = [0]
     for row in changes:
-        if clock[row] - clock[edges[-1]] >= shortest and clock[-1] - clock[row] >= shortest:
+        long = min(clock[row] - clock[edges[-1]], clock[-1] - clock[row]) >= shortest
+        if long and min(row - edges[-1], len(clock) - row) >= FEWEST_ROWS:
             edges.append(int(row))
     fine = []
     for first, last in zip(edges, [*edges[1:], len(clock)]):
         length = clock[min(last, len(clock) - 1)] - clock[first]
         parts = max(1, int(np.ceil(length / longest)))
+        parts = min(parts, max(1, (last - first) // FEWEST_ROWS))
         fine.extend(np.linspace(first, last, parts + 1).astype(int)[:-1].tolist())
     fine.append(len(clock))
     begin_test = clock[0] + (1.0 - locked) * (clock[-1] - clock[0])
     segments: list[Segment] = []
     for k, (first, last) in enumerate(pairwise(fine)):
-        if last <= first:
-            continue
         middle = 0.5 * (clock[first] + clock[last - 1])
         role = 'test' if middle > begin_test else ('select' if k % 3 == 1 else 'fit')
         segments.append(Segment(first, last, role))

@@ -87,7 +87,7 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     """
     name = term.VARIABLES[one.variable]
     values = problem.experiment.measured.get(name)
-    if values is None:
+    if values is None or not np.isfinite(values[seen]).any():
         values = problem.experiment.simulate(reference.parameters, reference.initial)[name]
     low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
