@@ -67,8 +67,9 @@ def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
     noise = 100.0 * np.random.default_rng(5).standard_normal((2, 300))
     record, again = (write(tmp_path / name, {
         'time': clock, 'chamber_pressure': run['chamber_pressure'] + one})
-        for name, one in zip(('decay.csv', 'again.csv'), noise))
-    write_parameter_file(tmp_path / 'closed.yaml', closed)
+        for name, one in zip((os.fsdecode(b'Pr\xfcfung.csv'), 'again.csv'), noise))
+    node = {'publish_rate': 50.0, 'current_limits': (0.0, 0.022)}
+    write_parameter_file(tmp_path / 'closed.yaml', closed, node=node)
     out = tmp_path / 'made' / 'here'
     done = close_loop('--record', record, '--params', tmp_path / 'closed.yaml', '--out', out,
                       '--validation', again)
@@ -78,9 +79,11 @@ def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
     assert report['verdict'] == 'effect'
     assert report['effects'][0]['location'] == 'chamber'
     assert report['validation']['chamber_pressure']['after'] < 1.3 * 100.0
-    assert report['record']['file'] == str(record)
+    assert report['record']['file'] == str(tmp_path / 'Pr\ufffdfung.csv')  # no UTF-8
     assert str(out / 'report.html') in done.stdout
-    model = from_values(read_parameter_file(out / 'positioner.yaml').physical)
+    written = read_parameter_file(out / 'positioner.yaml')
+    assert written.node == node
+    model = from_values(written.physical)
     decay = simulate(model, clock, np.zeros(300), {'chamber_pressure': 140e3})
     misses = decay['chamber_pressure'] - run['chamber_pressure']
     assert np.sqrt(np.mean(misses**2)) < 100.0
@@ -109,6 +112,10 @@ def test_an_output_that_is_a_file_is_refused_and_kept(tmp_path, declared, record
     assert out.read_text() == 'mine'
     assert_refused(close_loop('--record', record, '--params', declared, '--out', out / 'inside'),
                    str(out), 'is not a folder')
+    nowhere = tmp_path / 'nowhere'
+    nowhere.symlink_to(tmp_path / 'gone')
+    assert_refused(close_loop('--record', record, '--params', declared, '--out', nowhere),
+                   str(nowhere), 'is a link to what is not there')
 
 
 def test_a_result_that_would_replace_an_input_or_a_folder_is_refused_before_it_is_sought(

@@ -239,16 +239,25 @@ def test_json_writes_null_for_what_is_no_number():
     assert error == {'unit': 'Pa', 'declared': 1.0, 'before': None, 'after': None, 'noise': 2.0}
 
 
+NODE = {'publish_rate': 50.0, 'start_paused': True, 'step_ticks': 5, 'invalid_current': 'limit',
+        'current_limits': (0.0, 0.022), 'initial_state.chamber_pressure': 2e5,
+        'initial_state.control_current': 0.012}
+
+
 def test_the_parameter_files_are_the_models_of_the_diagnosis(tmp_path):
     for diagnosis in (friction_found(), unknown_found()):
-        write_parameter_files(tmp_path, diagnosis, FROM)
+        write_parameter_files(tmp_path, diagnosis, FROM, NODE)
         for file, model in (('positioner.yaml', diagnosis.after),
                             ('positioner_before.yaml', diagnosis.before)):
-            assert from_values(read_parameter_file(tmp_path / file).physical) == model
+            written = read_parameter_file(tmp_path / file)
+            assert from_values(written.physical) == model
+            assert written.node == NODE
+            assert [type(value) for value in written.node.values()] == [
+                type(value) for value in NODE.values()]
 
 
 def test_the_parameter_file_marks_what_was_added(tmp_path):
-    write_parameter_files(tmp_path, friction_found(), FROM)
+    write_parameter_files(tmp_path, friction_found(), FROM, {})
     after = (tmp_path / 'positioner.yaml').read_text()
     assert re.search(r'coulomb_friction: 500\.0 +# N; ADDED: stem_friction, 95 % between', after)
     assert 'ADDED' not in (tmp_path / 'positioner_before.yaml').read_text()

@@ -6,7 +6,7 @@ Parameter files: the standard ROS 2 format, read and written without ROS.
 The same file feeds the node (`--ros-args --params-file`), `simulate` and `close_loop`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 import os
 from pathlib import Path
 import tempfile
@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from ..model.parameters import DESCRIPTIONS, ParameterError, to_values
+from ..model.parameters import DESCRIPTIONS, Description, ParameterError, to_values
 from ..model.quantity import Quantity
 from ..model.system import PositionerParameters
-from .schema import belongs_to_ros, check, checked
+from .schema import NODE_DESCRIPTIONS, belongs_to_ros, check, checked
 from .sections import ANY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
 
 
@@ -88,18 +88,20 @@ def write_parameter_file(
     parameters: PositionerParameters,
     heading: str = '',
     comments: Mapping[str, str] | None = None,
+    node: Mapping[str, Any] | None = None,
 ) -> None:
     """
     Write a parameter file for any positioner node, complete or not at all.
 
-    It holds every declared parameter, and of the effects what is not neutral. `heading` becomes
-    the comment above, `comments` (by dotted name) stand behind the units.
+    It holds every declared parameter, of the effects what is not neutral, and those of `node`, the
+    node's own. `heading` becomes the comment above, `comments` (by dotted name) stand behind the
+    units.
     """
     path = Path(path)
     descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
     try:
         with open(descriptor, 'w', encoding='utf-8') as stream:
-            stream.write(parameter_text(parameters, heading, comments or {}))
+            stream.write(parameter_text(parameters, heading, comments or {}, node or {}))
         os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, path)
     except BaseException:
@@ -114,30 +116,40 @@ def _umask() -> int:
 
 
 def parameter_text(
-    parameters: PositionerParameters, heading: str, comments: Mapping[str, str]
+    parameters: PositionerParameters, heading: str, comments: Mapping[str, str],
+    node: Mapping[str, Any],
 ) -> str:
     """Return the text of a parameter file, see `write_parameter_file`."""
     lines = [f'# {line}'.rstrip() for line in heading.splitlines()]
     lines += ['/**:', f'  {PARAMETERS_KEY}:']
     component = ''
-    for name, value in to_values(parameters).items():
-        description = DESCRIPTIONS[name]
-        if value == description.default and description.source == Quantity.source:
-            continue
-        before, field = name.split('.', 1)
+    for name, value, description in _entries(parameters, node):
+        before, _, field = name.rpartition('.')
         if before != component:
             component = before
             lines.append(f'    {component}:')
         comment = '; '.join(text for text in (description.unit, comments.get(name, '')) if text)
-        lines.append(f'      {field}: {_scalar(value)}  # {comment}')
+        lines.append(f'{"      " if before else "    "}{field}: '
+                     f'{_scalar(value, description)}  # {comment}')
     return '\n'.join(lines) + '\n'
 
 
-def _scalar(value: Any) -> str:
+def _entries(parameters: PositionerParameters, node: Mapping[str, Any]
+             ) -> Iterator[tuple[str, Any, Description]]:
+    """Yield name, value and description of what a file holds, what has no component first."""
+    for name in sorted(node, key=lambda name: name.count('.')):
+        yield name, node[name], NODE_DESCRIPTIONS[name]
+    for name, value in to_values(parameters).items():
+        description = DESCRIPTIONS[name]
+        if value != description.default or description.source != Quantity.source:
+            yield name, value, description
+
+
+def _scalar(value: Any, description: Description) -> str:
     """Return a value as YAML; floats always with a point, which YAML 1.1 readers want."""
     plain: Any = value
     if isinstance(value, tuple):
         plain = [float(element) for element in value]
-    elif not isinstance(value, str):
+    elif isinstance(description.default, float):
         plain = float(value)  # a fit's numbers are numpy's
     return yaml.safe_dump([plain], default_flow_style=True, width=10_000).strip()[1:-1]

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 import os
 from pathlib import Path
 import shutil
 import sys
+from typing import Any
 
 from tqdm import tqdm
 
@@ -52,13 +53,14 @@ def main(args: Sequence[str] | None = None) -> int:
         print('close_loop: interrupted, nothing was written', file=sys.stderr)
         return 130
     print(f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis), sep='\n  ')
-    print(f'Report: {options.out / "report.html"}')
+    print(f'Report: {_legible(options.out / "report.html")}')
     return 0
 
 
 def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
     _check_inputs_stay(options)
-    declared = from_values(read_parameter_file(options.params).physical)
+    given = read_parameter_file(options.params)
+    declared = from_values(given.physical)
     experiment, notes = _read(options, options.record, declared)
     validation = options.validation and _read(options, options.validation, declared)
     with _output_folder(options.out) as folder:
@@ -72,8 +74,8 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
         if options.calibrate:
             with _progress(check) as tell:
                 diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)
-        _write(folder, diagnosis, Provenance(
-            str(options.record), str(options.params), str(options.validation or '')))
+        _write(folder, diagnosis, Provenance(*map(
+            _legible, (options.record, options.params, options.validation or ''))), given.node)
         check()
     return diagnosis
 
@@ -162,6 +164,8 @@ def _progress(check: Callable[[], None]) -> Iterator[Callable[[str, float], None
 @contextmanager
 def _output_folder(out: Path) -> Iterator[Path]:
     """Yield a temporary folder whose files are moved to `out` when everything is written."""
+    if out.is_symlink() and not out.exists():
+        raise RecordError(f'{out}: is a link to what is not there')
     for name in WRITTEN:
         if (out / name).is_dir():
             raise RecordError(f'{out / name}: is a folder, a file is to be written there')
@@ -192,10 +196,16 @@ def _check_inputs_stay(options: argparse.Namespace) -> None:
             f'{options.validation}: is the record itself; --validation takes another one')
 
 
-def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance) -> None:
+def _legible(path: Path | str) -> str:
+    """Return a path as text; bytes in it that are no UTF-8 become question marks."""
+    return os.fsencode(path).decode('utf-8', 'replace')
+
+
+def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance, node: Mapping[str, Any]
+           ) -> None:
     (folder / 'report.json').write_text(json_text(diagnosis, provenance), encoding='utf-8')
     (folder / 'report.html').write_text(html_page(diagnosis, provenance), encoding='utf-8')
-    write_parameter_files(folder, diagnosis, provenance)
+    write_parameter_files(folder, diagnosis, provenance, node)
 
 
 if __name__ == '__main__':

@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """`positioner.yaml` and `positioner_before.yaml`: the models of a diagnosis, ready for the node."""
 
+from collections.abc import Mapping
 from pathlib import Path
 import textwrap
+from typing import Any
 
 from booster_ros.diagnosis.result import Diagnosis
 from booster_ros.model.discrepancy import Discrepancy
@@ -13,18 +15,24 @@ from booster_ros.report.provenance import Provenance
 from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
 
 
-def write_parameter_files(folder: Path, diagnosis: Diagnosis, provenance: Provenance) -> None:
-    """Write the model with what it lacked, and the declared model refitted without it."""
+def write_parameter_files(
+    folder: Path, diagnosis: Diagnosis, provenance: Provenance, node: Mapping[str, Any]
+) -> None:
+    """
+    Write the model with what it lacked, and the declared model refitted without it.
+
+    Both have the node's own parameters, `node`, as declared.
+    """
     origin = f'Declared in {provenance.parameters}, fitted to {provenance.record}.'
     verdict = ' '.join([f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis)])
     write_parameter_file(
         folder / 'positioner.yaml', diagnosis.after, _heading(verdict, origin, SCALING),
-        _fitted(diagnosis, 'after') | _added(diagnosis))
+        _fitted(diagnosis, 'after') | _added(diagnosis), node)
     write_parameter_file(
         folder / 'positioner_before.yaml', diagnosis.before,
         _heading('The declared model, refitted within its tolerances, nothing added.', origin,
                  SCALING),
-        _fitted(diagnosis, 'before'))
+        _fitted(diagnosis, 'before'), node)
 
 
 def _heading(*paragraphs: str) -> str:
