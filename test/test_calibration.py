@@ -77,6 +77,26 @@ def test_a_valve_that_slips_at_rests_is_not_taken_for_noise():
     assert noise_of(shown, rests_of(TIME, [STEPS])).correlation == 0.0
 
 
+def test_repeats_of_rows_stamped_by_another_clock_have_late_commands():
+    rng = np.random.default_rng(3)
+    time = np.sort(0.02 * np.arange(3000) + 0.008 * rng.random(3000))
+    current = 0.40e-3 + 0.03e-3 * (np.floor(time / 2.0) % 2.0)
+    run = simulate(PositionerParameters(), time, current, {'chamber_pressure': 160e3})
+    sensor = {'chamber_pressure': 20.0, 'valve_position': 1e-6}
+    experiment = prepare(record_of({'time': time, 'control_current': current, **{
+        name: run[name] + level * rng.standard_normal(3000) for name, level in sensor.items()}}),
+        PositionerParameters())
+    plain = experiment.predict(PositionerParameters())
+    diagnosis = replace(nothing_found(), experiment=experiment, before=PositionerParameters(),
+                        runs={'before': plain})
+    made = list(repeats(diagnosis, 4, seed=2))
+    for name, level in sensor.items():
+        raised = experiment.noise[name]
+        assert raised > 2.0 * level
+        left = [one.measured[name] - plain[name] for one in made]
+        assert np.sqrt(np.mean(np.square(left))) == pytest.approx(raised, rel=0.3)
+
+
 def test_an_experiment_counts_coloured_noise_in_full():
     time = TIME[:6000]
     noise = {'chamber_pressure': Noise(150.0, 0.8), 'valve_position': Noise(8e-6)}

@@ -16,6 +16,8 @@ from scipy.stats import binomtest
 
 from booster_ros.diagnosis.diagnose import Progress, diagnose
 from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.late_commands import (
+    AS_OFTEN, commands_may_be_late, with_late_commands)
 from booster_ros.diagnosis.noise import noise_level
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.result import Diagnosis, FalseAdd
@@ -61,13 +63,19 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
     rests = [] if experiment.quasi_static else rests_of(experiment.time, drives)
     noise = {name: noise_of(values, rests) for name, values in experiment.measured.items()}
     of_drives = {name: noise_level(values) for name, values in experiment.pinned.items()}
-    still = experiment.predict(model) if experiment.pinned else {}
+    late = commands_may_be_late(experiment)
+    still = experiment.predict(model) if experiment.pinned or late else {}
     for run in range(runs):
         rng = np.random.default_rng([seed, run])
-        truth = dict(diagnosis.runs['before'])
+        truth, driven = dict(diagnosis.runs['before']), experiment
         if experiment.pinned:
             # what was read drives the model; what drove the valve is that less its noise
-            moved = experiment.shaken(of_drives, rng).predict(model)
+            driven = driven.shaken(of_drives, rng)
+        if late:
+            # the valve took each command somewhere before the next row
+            driven = with_late_commands(driven, AS_OFTEN, rng)
+        if still:
+            moved = driven.predict(model)
             truth = {name: values + moved[name] - still[name] for name, values in truth.items()}
         made = _with_measured(experiment, {
             name: np.where(np.isfinite(measured), noise[name].added_to(truth[name], rng), np.nan)

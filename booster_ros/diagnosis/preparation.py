@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.late_commands import commands_may_be_late, with_noise_of_timing
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.plausibility import check_clock, check_pressures, check_scales
 from booster_ros.diagnosis.roles import Roles, roles
@@ -34,11 +35,6 @@ to follow; where the current drives, the chamber has to fill."""
 
 FEWEST_ROWS = 12
 """Rows that must be comparable at the least."""
-
-EVEN = 1e-3
-"""Rows this evenly spaced, relative to their distance, are those of one clock with the drive."""
-
-TIMING_DRAWS = 4
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9}
@@ -90,8 +86,8 @@ def prepare(
         return experiment
     check_clock(experiment, declared, record.source)
     check_pressures(experiment, declared, record.source)
-    if role.commanded and not _evenly_sampled(time):
-        experiment = _with_noise_of_timing(experiment, declared)
+    if role.commanded and commands_may_be_late(experiment):
+        experiment = with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
         experiment = with_start_of_converter(experiment, declared)
     if role.pinned:
@@ -220,34 +216,6 @@ def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
     known = {name: values[np.isfinite(values)] for name, values in compared.items()}
     return tuple(f'{name} stands still: every row has the same value'
                  for name, values in known.items() if len(values) and np.ptp(values) == 0.0)
-
-
-def _evenly_sampled(time: Array) -> bool:
-    steps = np.diff(time)
-    usual = np.median(steps)
-    return float(np.quantile(np.abs(steps - usual), 0.9)) < EVEN * usual
-
-
-def _with_noise_of_timing(experiment: Experiment, declared: PositionerParameters) -> Experiment:
-    """
-    Return the experiment with the noise of each channel at least what late commands leave.
-
-    A clock that stamps rows as they arrive does not know when in between the valve took a command:
-    each one anywhere in a row, with a standard deviation of its length over sqrt(12). Drawn is a
-    whole row late or none, whose standard deviation is sqrt(3) times that.
-    """
-    rng = np.random.default_rng(1)
-    taken = experiment.predict(declared)
-    before = np.append(experiment.current[:1], experiment.current[:-1])
-    squares: dict[str, list[float]] = {name: [] for name in experiment.noise}
-    for _ in range(TIMING_DRAWS):
-        late = np.where(rng.random(len(before)) < 0.5, before, experiment.current)
-        moved = replace(experiment, current=late).predict(declared)
-        for name, values in squares.items():
-            values.append(float(np.mean((moved[name] - taken[name])**2)))
-    return replace(experiment, noise={
-        name: max(level, float(np.sqrt(np.mean(squares[name]) / 3.0)))
-        for name, level in experiment.noise.items()})
 
 
 def _with_noise_of_drives(
