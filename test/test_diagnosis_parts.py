@@ -192,6 +192,15 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error(
     assert any(s.startswith('on the other record the error of valve_pos') for s in sentences)
 
 
+def test_what_goes_by_time_since_the_record_began_is_said_of_the_other_record():
+    found = unknown_found()
+    another = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
+    swinging = found.after._replace(supply=found.after.supply._replace(ripple=2e3))
+    said = set(validated(replace(found, after=swinging), another).notes) - set(found.notes)
+    assert sum('the other record is judged as if it began like the first' in one
+               for one in said) == 1
+
+
 def test_a_seat_fully_open_in_the_other_record_alone_is_said():
     found = unknown_found()
     columns = timed_columns(BENT, seed=2)

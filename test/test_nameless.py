@@ -10,6 +10,7 @@ import pytest
 
 from booster_ros.diagnosis.applicable import free_to_refit
 from booster_ros.diagnosis.candidate import Candidate, clearly_better, why_dropped
+from booster_ros.diagnosis.diagnose import _best_without
 from booster_ros.diagnosis.experiment import rmse
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.freedom import declared_freedom
@@ -62,6 +63,18 @@ def test_the_commoner_kind_leads_only_where_scores_are_nearly_the_same():
     worse = scored((UNNAMED + 'booster over booster_force',), 6.0, 6.0, 6.0, 6.0)
     assert as_good([near, unsteady, worse, best], best) == [near, best, unsteady]
     assert as_good([unsteady, best], best) == [best, unsteady]
+
+
+def test_what_learnt_the_held_back_segments_is_no_measure_of_what_did_not():
+    refit, named = scored((), 50.0, 1.0), scored(('seat_load',), 1.2, 1.1)
+    taught, refit_taught = (replace(one, learnt=True, by_segment=SAMPLES / 2 * np.array(misfits))
+                            for one, misfits in ((named, (1.0, 1.0)), (refit, (1.4, 1.1))))
+    everything = (refit, named, taught, refit_taught)
+    both = Tried(refit, taught, everything, {})
+    assert both.held_out is named
+    assert _best_without((), both.held_out, both) is refit
+    only = Tried(refit, taught, (refit, taught, refit_taught), {})
+    assert _best_without((), only.held_out, only) is refit_taught
 
 
 def test_one_over_time_stands_behind_one_over_a_state_that_does_as_well():

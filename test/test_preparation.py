@@ -222,6 +222,16 @@ def test_time_counts_from_where_the_record_begins():
     assert abs(change[-1]) > 5.0 * abs(change[20])
 
 
+def test_a_current_that_is_none_throughout_a_sweep_did_not_drive_it():
+    by_hand = {**CHAMBER, **POSITION}
+    experiment = prepare(record_of(control_current=np.zeros(ROWS), **by_hand), DECLARED)
+    assert experiment.drives == ('chamber_pressure',)
+    assert experiment.channels == ('valve_position',)
+    assert any('control_current is 0 A in every row' in note for note in experiment.notes)
+    with pytest.raises(RecordError, match='nothing can be compared'):
+        prepare(record_of(control_current=np.zeros(ROWS), **POSITION), DECLARED)
+
+
 def test_a_sweep_of_currents_is_compared_after_each_has_stood():
     current = np.linspace(0.42e-3, 0.46e-3, 30)
     settled = []

@@ -174,7 +174,7 @@ def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Arr
 
 
 def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
-    best = tried.chosen
+    best, held_out = tried.chosen, tried.held_out
     found = []
     for name in best.effects:
         effect = EFFECTS[name]
@@ -187,14 +187,23 @@ def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
                 value, low, high, DESCRIPTIONS[knob.parameter].unit)
         rest = tuple(e for e in best.effects if e != name)
         rivals = _rivals(name, rest, tried, best)
-        without = min((c for c in tried.all if set(c.effects) <= set(rest)),
-                      key=lambda c: c.score)
-        fall, error = gain(without, best)
+        without = _best_without(rest, held_out, tried)
+        fall, error = gain(without, held_out)
         found.append(FoundEffect(
             name, effect.location, parameters, rivals, effect.separating_experiment,
-            {'misfit_without': without.misfit, 'misfit_with': best.misfit,
+            {'misfit_without': without.misfit, 'misfit_with': held_out.misfit,
              'score_fall': fall, 'score_fall_standard_error': error}))
     return tuple(found)
+
+
+def _best_without(rest: tuple[str, ...], best: Candidate, tried: Tried) -> Candidate:
+    """
+    Return the best with these effects at most, fitted to the same segments where there is one.
+
+    Held back or learnt: a score of segments that a model was fitted to is no measure of another's.
+    """
+    return min((c for c in tried.all if set(c.effects) <= set(rest)),
+               key=lambda c: (c.learnt != best.learnt, c.score))
 
 
 def _rivals(name: str, rest: tuple[str, ...], tried: Tried, best: Candidate) -> tuple[str, ...]:

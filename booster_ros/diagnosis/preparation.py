@@ -54,6 +54,7 @@ def prepare(
     the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
     seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
+    record, idle = _without_idle_command(record)
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
     check_scales(columns, declared, record.source)
@@ -79,7 +80,7 @@ def prepare(
         pinned={name: _bridged(time, columns[name]) for name in role.pinned},
         initial=start_state(columns, declared, noise),
         quasi_static=quasi_static,
-        notes=(*role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
+        notes=(*idle, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
                *_still_notes(compared)),
     )
     if quasi_static:
@@ -93,6 +94,16 @@ def prepare(
     if role.pinned:
         experiment = _with_noise_of_drives(experiment, declared, noise)
     return experiment
+
+
+def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
+    """Return the record without a current that is none in every row of a sweep: it drove nothing."""
+    current = record.columns.get('control_current')
+    if current is None or 'time' in record or np.any(np.nan_to_num(current)):
+        return record, ()
+    others = {name: values for name, values in record.columns.items() if name != 'control_current'}
+    return replace(record, columns=others), (
+        'control_current is 0 A in every row of the sweep: it did not drive it',)
 
 
 def _from_known_start(

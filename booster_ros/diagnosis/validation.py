@@ -12,7 +12,7 @@ from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import ChannelError, Diagnosis
 from booster_ros.model.booster import exhaust_area, intake_area, largest_exhaust_area
-from booster_ros.model.system import PositionerParameters
+from booster_ros.model.system import PositionerParameters, depends_on_time
 
 Array = np.ndarray
 
@@ -41,7 +41,7 @@ def validated(
     added = doubts(errors, 'the other record')
     return replace(diagnosis, validation=errors, notes=(
         *diagnosis.notes, *(f'the other record: {note}' for note in notes), *added,
-        *_beyond(diagnosis, experiment, starts[-1]),
+        *_beyond(diagnosis, experiment, starts[-1]), *_in_another_phase(diagnosis),
         *_opened_further(diagnosis, experiment),
         *chance(experiment, diagnosis.after, starts[-1], 'the other record')))
 
@@ -57,6 +57,14 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tup
         return ()
     return (f'{100.0 * share:.0f} % of the other record lies beyond the {unknown.variable} in '
             'which the term without a name was seen: it fades to zero there',)
+
+
+def _in_another_phase(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return a sentence where what was added goes by the time since the record began."""
+    if not depends_on_time(diagnosis.after) or depends_on_time(diagnosis.declared):
+        return ()
+    return ('what was added goes by the time since the record began: the other record is judged '
+            'as if it began like the first, the supply in the same phase, the converter as cold',)
 
 
 def _opened_further(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
