@@ -260,6 +260,18 @@ def test_a_joint_is_asked_for_by_name(tmp_path):
         read_record(bag, {'valve_position': '/joint_states'})
 
 
+def test_joints_that_share_a_topic_are_told_apart_or_refused(tmp_path):
+    messages = [joint_state('/joint_states', START + at, START + at, **{name: position})
+                for tick in range(20) for at, name, position in (
+                    (tick * TICK, 'gripper', 0.5), (tick * TICK + TICK // 2, 'valve', 1e-4 * tick))]
+    bag = write_bag(tmp_path / 'shared', messages)
+    record = read_record(bag, {'valve_position': '/joint_states:valve'})
+    assert record['valve_position'] == pytest.approx(1e-4 * np.arange(20))
+    for asked in ('/joint_states', '/joint_states:stem'):
+        with pytest.raises(RecordError, match='names gripper, valve; say which is valve_position'):
+            read_record(bag, {'valve_position': asked})
+
+
 def test_the_state_of_a_positioner_fills_the_columns_without_a_topic(tmp_path):
     messages = []
     for tick in range(20):
@@ -288,6 +300,10 @@ def test_the_state_of_a_positioner_fills_the_columns_without_a_topic(tmp_path):
     ([float64('/control_current', 0.45, START + k) for k in range(9)], None,
      'row 1, column control_current: 0.45 is not plausible in A'),
     ([float64('/valve_position', np.inf, START + k) for k in range(9)], None, 'is infinite'),
+    ([state('/positioner/state', START, **dict.fromkeys(
+        ('control_current', 'back_pressure', 'supply_pressure', 'mass_flow',
+         'measured_chamber_pressure', 'measured_valve_position'), 1e-3))], None,
+     'topic /positioner/state has one message'),
 ])
 def test_refusals(tmp_path, messages, topics, says):
     with pytest.raises(RecordError, match=re.escape(says)):

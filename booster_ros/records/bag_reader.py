@@ -12,7 +12,8 @@ import numpy as np
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
-from booster_ros.records.bag_topics import READERS, STATE_TYPE, Channel, choose_channels
+from booster_ros.records.bag_topics import (
+    READERS, STATE_TYPE, Channel, choose_channels, several_names)
 from booster_ros.records.record import Array, Defect, RecordError
 from booster_ros.records.time_base import Signal, merge
 from booster_ros.records.units import check_finite, check_units
@@ -97,12 +98,19 @@ def _read_samples(
             by_topic[channel.topic].append(channel)
         wanted = [connection for connection in bag.connections if connection.topic in by_topic]
         raw: dict[Channel, list[tuple[int, int, float]]] = {channel: [] for channel in channels}
+        joints: dict[Channel, set[str]] = {channel: set() for channel in channels}
         for connection, received, data in bag.messages(wanted):
             message = types.deserialize_cdr(data, connection.msgtype)
             stamp = _header_stamp(message)
             for channel in by_topic[connection.topic]:
                 value = READERS[channel.message_type](message, channel)
-                raw[channel].append((received, stamp, value))
+                joints[channel].update(getattr(message, 'name', ()))
+                if value is not None:
+                    raw[channel].append((received, stamp, value))
+    for channel, names in joints.items():
+        # several publishers may share a topic, each with its own joint
+        if len(names) > 1 and not channel.element or names and not raw[channel]:
+            raise several_names(channel, sorted(names))
     return {channel: _as_arrays(triples) for channel, triples in raw.items()}
 
 
@@ -136,6 +144,10 @@ def _signals(samples: Mapping[Channel, _Samples], stamps: str, source: str) -> d
         seconds = (time[order] - zero) * _NANOSECONDS
         signal = Signal(channel.topic, seconds, samples[channel].values[order])
         if channel.message_type == STATE_TYPE and channel.column == 'control_current':
+            if len(order) < 2:
+                raise RecordError(
+                    f'{source}: topic {channel.topic} has one message: the current in it led to '
+                    'that state, and from none')
             signal = _from_tick_before(signal)
         signals[channel.column] = signal
     return signals

@@ -28,17 +28,19 @@ def _gauge_pressure(message: Any, channel: Channel) -> float:
     return float(message.fluid_pressure) - ATMOSPHERE
 
 
-def _joint_position(message: Any, channel: Channel) -> float:
-    return _named(message.name, message.position, channel)
+def _joint_position(message: Any, channel: Channel) -> float | None:
+    """Return the position of the joint asked for, or of the only one; None where it is not in."""
+    if channel.element:
+        named = channel.element in message.name
+        return float(message.position[message.name.index(channel.element)]) if named else None
+    if len(message.name) == 1:
+        return float(message.position[0])
+    raise several_names(channel, message.name)
 
 
-def _named(names: list[str], values: Any, channel: Channel) -> float:
-    """Return the value of the element asked for, or of the only one."""
-    if channel.element in names:
-        return float(values[names.index(channel.element)])
-    if not channel.element and len(names) == 1:
-        return float(values[0])
-    raise RecordError(
+def several_names(channel: Channel, names: Iterable[str]) -> RecordError:
+    """Return what to raise where a topic names several things and none was asked for."""
+    return RecordError(
         f'topic {channel.topic} names {", ".join(names) or "nothing"}; '
         f'say which is {channel.column}, as in {channel.column}={channel.topic}:NAME'
     )
@@ -55,14 +57,14 @@ def _state(message: Any, channel: Channel) -> float:
 
 STATE_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
 
-READERS: Mapping[str, Callable[[Any, Channel], float]] = {
+READERS: Mapping[str, Callable[[Any, Channel], float | None]] = {
     'std_msgs/msg/Float64': _data,
     'std_msgs/msg/Float32': _data,
     'sensor_msgs/msg/FluidPressure': _gauge_pressure,
     'sensor_msgs/msg/JointState': _joint_position,
     STATE_TYPE: _state,
 }
-"""How to read a value from a message, by message type."""
+"""How to read a value from a message, by message type; None where it is not in this one."""
 
 _STAMPED = ('sensor_msgs/msg/FluidPressure', 'sensor_msgs/msg/JointState')
 _SUFFIX = '_stamped'
