@@ -128,6 +128,12 @@ def test_a_section_says_what_the_diagnosis_does(without_100):
         remarks.on(FLOW_BENCH_WITHOUT_100, without_100))
 
 
+def test_a_decay_that_is_read_in_steps_falls_by_what_is_between_its_ends():
+    time = np.arange(0.0, 90.1, 0.1)
+    pressure = 1e5 - 300.0 * (time > 15.0) - 600.0 * (time > 40.0)
+    assert remarks._slopes(time, pressure) == pytest.approx([10.0, 20.0, 0.0])
+
+
 def test_the_page_holds_every_record_and_its_figures_exist():
     text = (ROOT / 'docs' / 'measured.md').read_text()
     for record in RECORDS:
