@@ -139,7 +139,7 @@ MADE = [
 
 
 def test_the_page_shows_every_cell_with_symbol_and_errors_and_how_it_was_made():
-    text = page(MADE, 9, 'python -m x --seed 1', 'figures/x.svg')
+    text = page(MADE, 9, 'python -m x --seed 1', 'figures/x.svg', 'x.jsonl')
     rows = {line.split('|')[1].strip(): [cell.strip() for cell in line.split('|')[2:-1]]
             for line in text.split('## Every cell')[1].split('## What')[0].splitlines()
             if line.startswith('|')}
@@ -158,8 +158,22 @@ def test_the_page_shows_every_cell_with_symbol_and_errors_and_how_it_was_made():
     assert '| 1 | 1/2 = 50 % (9 to 91) | `stem_friction` |' in clean
 
 
+def test_the_cells_of_a_page_lie_beside_it_and_the_command_goes_on_from_them(tmp_path):
+    cells = cells_of(['none'], ['small'], [1.0], 7, 2, 'mixed', 'samples')
+    known = Results(tmp_path / 'results.jsonl')
+    for cell, found in zip(cells, [(), (LEAK,)]):
+        known.add(result(cell, *found))
+    command = ['--effects', 'none', '--sizes', 'small', '--noise', '1', '--clean', '2', '--seed',
+               '7', '--out', str(tmp_path)]
+    assert main([*command, '--docs', str(tmp_path / 'docs' / 'page.md')]) == 0
+    assert '(page.jsonl)' in (tmp_path / 'docs' / 'page.md').read_text()
+    (tmp_path / 'docs' / 'page.jsonl').rename(tmp_path / 'results.jsonl')
+    assert Results(tmp_path / 'results.jsonl').of(cells) == known.of(cells)
+    assert main([*command, '--docs', str(tmp_path / 'docs' / 'again.md')]) == 0
+
+
 def test_shares_are_by_size_and_noise_with_wilsons_interval():
-    short = page(MADE, 8, '', '').split('## In short')[1].split('## Every')[0]
+    short = page(MADE, 8, '', '', '').split('## In short')[1].split('## Every')[0]
     assert 'are missing' not in short
     assert '| one effect | large | 1 | 1/2 = 50 % (9 to 91) |' in short
     assert '| one effect | small | 1 | 0/1 = 0 % (0 to 79) |' in short

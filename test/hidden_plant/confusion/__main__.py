@@ -17,7 +17,7 @@ from .cells import GROUPS, Cell, cells_of
 from .figure import write_matrix
 from .judging import OUTCOMES
 from .page import page
-from .running import ROOT, Result, Results, RunError, run_cell, run_cells
+from .running import ROOT, Result, Results, RunError, line_of, run_cell, run_cells
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -62,10 +62,16 @@ def _words(ended: Result | RunError) -> str:
 def _write(results: list[Result], planned: int, options: argparse.Namespace) -> None:
     figure = options.docs.parent / 'figures' / f'{options.docs.stem}.svg'
     write_matrix(results, figure)
-    text = page(results, planned, _command(options), f'figures/{figure.name}')
-    unfinished = options.docs.with_name(f'.{options.docs.name}')
+    cells = options.docs.with_suffix('.jsonl')
+    text = page(results, planned, _command(options), f'figures/{figure.name}', cells.name)
+    _put(cells, ''.join(map(line_of, results)))
+    _put(options.docs, text)
+
+
+def _put(path: Path, text: str) -> None:
+    unfinished = path.with_name(f'.{path.name}')
     unfinished.write_text(text, encoding='utf-8')
-    os.replace(unfinished, options.docs)
+    os.replace(unfinished, path)
 
 
 def _command(options: argparse.Namespace) -> str:
@@ -99,7 +105,8 @@ def _parser() -> argparse.ArgumentParser:
     add('--jobs', type=int, default=2, choices=range(1, 65), metavar='N',
         help='runs at a time (default: %(default)s)')
     add('--docs', type=Path, default=ROOT / 'docs' / 'confusion.md', metavar='PAGE',
-        help='page to write, its figure in the folder figures beside it (default: in docs)')
+        help='page to write, its cells beside it, its figure in the folder figures (default: in '
+        'docs)')
     return parser
 
 

@@ -26,17 +26,20 @@ record hardly shows counts all the same.
 """
 
 
-def page(results: Sequence[Result], planned: int, command: str, figure: str) -> str:
+def page(results: Sequence[Result], planned: int, command: str, figure: str, cells: str) -> str:
     """
     Return the page on these results, of which `planned` should be there.
 
-    `command` made them; `figure` is where the page finds the matrix of names.
+    `command` made them; `figure` and `cells` are where the page finds the matrix of names, and the
+    results themselves.
     """
     missing = planned - len(results)
     parts = [
         '# What `close_loop` says of what is hidden',
         textwrap.fill(_ABOUT.strip(), 120),
-        f'Made, from the folder `test`, by\n\n```\n{command}\n```',
+        f'Made, from the folder `test`, by\n\n```\n{command}\n```\n\n'
+        f'What each cell came to is in [{cells}]({cells}); with that as `FOLDER/results.jsonl` the '
+        'command goes on from there, as long as the diagnosis is the same.',
         f'**{missing} of {planned} runs are missing.**' if missing else '',
         '## In short', _shares(results), _seconds(results),
         '## Every cell', _legend(), _cells(results),

@@ -72,10 +72,14 @@ class Results:
 
     def add(self, result: Result) -> None:
         """Append a result to the file at once."""
-        line = json.dumps(_values(result)) + '\n'
         with self._lock, self._path.open('a', encoding='utf-8') as file:
-            file.write(line)
+            file.write(line_of(result))
             self._results.append(result)
+
+
+def line_of(result: Result) -> str:
+    """Return a result as a line of a file of results."""
+    return json.dumps(_values(result)) + '\n'
 
 
 def run_cells(
