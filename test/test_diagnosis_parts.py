@@ -414,7 +414,7 @@ def test_slips_by_chance_do_not_decide_between_effects_above_the_stem(plainer, p
 @pytest.mark.parametrize(('falls_to', 'left', 'least'), [(3.4e-4, 3.5, 1.7), (4.3e-4, 1.0, 0.5)])
 def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_little(
         falls_to, left, least):
-    """It has no slope in either record, and any is as good; one opens the exhaust further than the intake goes."""
+    """It has no slope in either record; one opens the exhaust further than the intake goes."""
     current = np.where(TIME < 10.0, 4.8e-4, np.where(TIME < 20.0, falls_to, 4.4e-4))
     plant = P._replace(booster=P.booster._replace(exhaust_lift_ratio=3.0))
     search = searching(seen(plant, current=current), ())
@@ -426,7 +426,7 @@ def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_li
     assert booster.exhaust_lift_ratio == pytest.approx(left)
     never_drawn = np.tile(fit.z, (400, 1))
     value, low, high = interval_of(one.problem, never_drawn, fit, lift)
-    assert value == pytest.approx(3.5) and high == pytest.approx(8.0)
+    assert (value, high) == pytest.approx((3.5, 8.0))
     assert low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened
 
 

@@ -39,7 +39,8 @@ def test_rows_far_apart_are_cut_into_pieces_of_several_rows_for_every_part(inter
     assert [s.first for s in segments[1:]] == [s.last for s in segments[:-1]]
     assert min(s.last - s.first for s in segments) >= 4
     roles = Counter(s.role for s in segments)
-    assert roles['fit'] > roles['select'] > 20 and roles['test'] > 10
+    assert roles['fit'] > roles['select'] > 20
+    assert roles['test'] > 10
 
 
 def test_a_record_too_short_to_hold_anything_back_is_refused():

@@ -97,7 +97,7 @@ def prepare(
 
 
 def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """Return the record without a current that is none in every row of a sweep: it drove nothing."""
+    """Return the record without a current that is 0 in every row of a sweep: it drove nothing."""
     current = record.columns.get('control_current')
     if current is None or 'time' in record or np.any(np.nan_to_num(current)):
         return record, ()

@@ -153,7 +153,8 @@ def _slopes(time: np.ndarray, pressure: np.ndarray) -> list[float]:
     """
     Return by how many Pa/s a pressure falls from end to end of each third.
 
-    No line through its readings: of a staircase that counts a step in the middle half as much again.
+    No line through its readings: of a staircase that counts a step in the middle half as much
+    again.
     """
     ends = np.interp(time[0] + np.ptp(time) * np.arange(4) / 3.0, time, pressure)
     return (-np.diff(ends) / (np.ptp(time) / 3.0)).tolist()

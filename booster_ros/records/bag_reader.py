@@ -109,7 +109,7 @@ def _read_samples(
                     raw[channel].append((received, stamp, value))
     for channel, names in joints.items():
         # several publishers may share a topic, each with its own joint
-        if len(names) > 1 and not channel.element or names and not raw[channel]:
+        if (len(names) > 1 and not channel.element) or (names and not raw[channel]):
             raise several_names(channel, sorted(names))
     return {channel: _as_arrays(triples) for channel, triples in raw.items()}
 

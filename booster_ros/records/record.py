@@ -37,7 +37,8 @@ COLUMNS: Mapping[str, Column] = {
     'control_current': Column('A', 'current into the E/P converter', 0.1, 'mA'),
     'back_pressure': Column('Pa', 'gauge pressure behind the nozzle', 5e6, 'raw counts'),
     'supply_pressure': Column('Pa', 'gauge pressure of the supply', 5e6, 'raw counts'),
-    'mass_flow': Column('kg/s', 'flow out of the booster towards the chamber', 1.0, 'g/s, kg/h or l/min'),
+    'mass_flow': Column(
+        'kg/s', 'flow out of the booster towards the chamber', 1.0, 'g/s, kg/h or l/min'),
     'chamber_pressure': Column('Pa', 'gauge pressure in the actuator', 5e6, 'raw counts'),
     'valve_position': Column('m', 'stem travel from closed', 0.5, 'mm, % or a fraction of travel'),
 }
