@@ -24,7 +24,7 @@ from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, split
-from booster_ros.diagnosis.selection import Tried, _taught, compared, named
+from booster_ros.diagnosis.selection import Tried, _backward, _taught, compared, named
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
@@ -428,6 +428,21 @@ def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_li
     value, low, high = interval_of(one.problem, never_drawn, fit, lift)
     assert (value, high) == pytest.approx((3.5, 8.0))
     assert low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened
+
+
+def test_what_is_left_without_an_effect_that_was_none_begins_where_it_was_with_it():
+    """The round that had friction alone got stuck: its misfit would let any term win."""
+    search = searching(seen(LEAKING), ())
+    chosen = standing_at(search, ('ep_hysteresis', 'stem_friction', 'chamber_leak'), {
+        **RUBBING, 'actuator.leak_area': 4e-8, 'ep_converter.hysteresis': 1e-9})
+    rest = ('stem_friction', 'chamber_leak')
+    stuck = standing_at(search, rest, {
+        **RUBBING, 'actuator.coulomb_friction': 2000.0, 'actuator.leak_area': 4e-8})
+    assert search.fault(chosen.problem, chosen.fit, 'ep_hysteresis')
+    assert stuck.score > 2.0 * chosen.score
+    left = _backward(search, chosen, [chosen, stuck], {})
+    assert set(left.effects) == set(rest)
+    assert left.misfit < 1.3
 
 
 def test_a_rival_that_got_stuck_meets_again_if_it_leaves_less_above_the_stem():

@@ -64,6 +64,10 @@ Where noise could be all, an effect must lower the cost of the fit by this as we
 catalogue lowers that of a clean record by 5 to 10.
 """
 
+STUCK = 2.0
+"""Without an effect that is not told from none a model scores as with it: one whose score is so many
+times as large got stuck."""
+
 CLEARED = 0.3
 """Of what is left above noise, the share that an effect may leave where little was left."""
 
@@ -328,8 +332,11 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
         return chosen
     for name in chosen.effects:
         smaller = _without(search, chosen, name, everything, fewer)
+        fault = search.fault(chosen.problem, chosen.fit, name)
+        if fault and smaller.score > STUCK * chosen.score:
+            smaller = search.without(chosen, smaller.effects)
         everything.append(smaller)
-        if search.fault(chosen.problem, chosen.fit, name) or not clearly_better(chosen, smaller):
+        if fault or not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything, fewer)
     return chosen
 
