@@ -333,7 +333,8 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
     for name in chosen.effects:
         smaller = _without(search, chosen, name, everything, fewer)
         fault = search.fault(chosen.problem, chosen.fit, name)
-        if fault and smaller.score > STUCK * chosen.score:
+        sticks = has_dry_friction(smaller.fit.parameters.actuator)
+        if fault and sticks and smaller.score > STUCK * chosen.score:
             smaller = search.without(chosen, smaller.effects)
         everything.append(smaller)
         if fault or not clearly_better(chosen, smaller):
