@@ -65,8 +65,8 @@ catalogue lowers that of a clean record by 5 to 10.
 """
 
 STUCK = 2.0
-"""Without an effect that is not told from none a model scores as with it: one whose score is so many
-times as large got stuck."""
+"""Without an effect that is not told from none a model scores as with it: one whose score is so
+many times as large got stuck."""
 
 CLEARED = 0.3
 """Of what is left above noise, the share that an effect may leave where little was left."""
