@@ -146,7 +146,7 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[f
     """
     free = problem.freedoms[index]
     if np.linalg.norm(fit.jacobian[:, index]) < SILENT:
-        low, high = (_unnoticed(problem, fit, index, end) for end in (free.low, free.high))
+        low, high = _unnoticed(problem, fit, index)
     else:
         low, high = np.quantile(draws[:, index], [0.025, 0.975])
     # the draws centre on a step away from the fit where it stopped early: hold both
@@ -158,8 +158,8 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[f
     return value, min(ends), max(ends)
 
 
-def _unnoticed(problem: Problem, fit: Fit, index: int, bound: float) -> float:
-    """Return how far towards its bound a variable can go before the rows notice."""
+def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
+    """Return how far towards its bounds a variable can go before the rows notice."""
     most = float(np.sum(problem.residuals(fit.z)**2)) + NOTICED
 
     def unnoticed(end: float) -> bool:
@@ -167,13 +167,17 @@ def _unnoticed(problem: Problem, fit: Fit, index: int, bound: float) -> float:
         moved[index] = end
         return float(np.sum(problem.residuals(moved)**2)) < most
 
-    if unnoticed(bound):
-        return bound
-    inside, outside = float(fit.z[index]), bound
-    for _ in range(HALVINGS):
-        middle = 0.5 * (inside + outside)
-        inside, outside = (middle, outside) if unnoticed(middle) else (inside, middle)
-    return inside
+    def furthest(bound: float) -> float:
+        if unnoticed(bound):
+            return bound
+        inside, outside = float(fit.z[index]), bound
+        for _ in range(HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if unnoticed(middle) else (inside, middle)
+        return inside
+
+    free = problem.freedoms[index]
+    return furthest(free.low), furthest(free.high)
 
 
 def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
@@ -188,7 +192,7 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
     as it stands, has no say.
     """
     own = own_sizes(effect)
-    shows = fit.seen | (np.linalg.norm(fit.jacobian, axis=0) > 1.0)
+    shows = fit.seen | (np.linalg.norm(fit.jacobian, axis=0) > SILENT)
     sizes = [j for j, free in enumerate(problem.freedoms)
              if free.knob.parameter in own and shows[j]]
     if not fit.seen[sizes].any() or _holds_zero(draws[:, sizes], fit.z[sizes]):

@@ -87,7 +87,7 @@ def prepare(
         return experiment
     check_clock(experiment, declared, record.source)
     check_pressures(experiment, declared, record.source)
-    if role.commanded and commands_may_be_late(experiment):
+    if commands_may_be_late(experiment):
         experiment = with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
         experiment = with_start_of_converter(experiment, declared)

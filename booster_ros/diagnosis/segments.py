@@ -98,8 +98,7 @@ def _cut(clock: Array, changes: Array, shortest: float, longest: float, locked: 
     fine = []
     for first, last in zip(edges, [*edges[1:], len(clock)]):
         length = clock[min(last, len(clock) - 1)] - clock[first]
-        parts = max(1, int(np.ceil(length / longest)))
-        parts = min(parts, max(1, (last - first) // FEWEST_ROWS))
+        parts = max(1, min(int(np.ceil(length / longest)), (last - first) // FEWEST_ROWS))
         fine.extend(np.linspace(first, last, parts + 1).astype(int)[:-1].tolist())
     fine.append(len(clock))
     begin_test = clock[0] + (1.0 - locked) * (clock[-1] - clock[0])
