@@ -104,6 +104,27 @@ def test_an_empty_current_keeps_the_one_before(tmp_path, params):
     assert result['control_current'].tolist() == [4e-4, 4e-4, 4e-4, 3e-4, 3e-4]
 
 
+def test_what_goes_by_time_begins_with_the_first_row(tmp_path):
+    params = write(tmp_path / 'swings.yaml', """positioner:
+  ros__parameters:
+    supply:
+      ripple: 20000.0
+      ripple_frequency: 0.1
+    ep_converter:
+      drift: 5000.0
+""")
+
+    def at(begin: float) -> dict[str, np.ndarray]:
+        return run_here(tmp_path, params, 'time,control_current\n' + ''.join(
+            f'{begin + 0.25 * row!r},0.00044\n' for row in range(80)))
+
+    early, late = at(0.0), at(1.8e9)
+    assert np.ptp(early['supply_pressure']) == pytest.approx(40e3, rel=0.05)
+    assert late.pop('time').tolist() == (1.8e9 + early.pop('time')).tolist()
+    for name, column in early.items():
+        assert np.array_equal(late[name], column), name
+
+
 def test_a_long_file_in_portions_is_the_same_as_at_once(tmp_path, params, monkeypatch):
     time = rows(20.0)
     text = 'time,control_current\n' + ''.join(

@@ -83,24 +83,30 @@ def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
         ThreadPoolExecutor(1) as worker,
     ):
         stream = None
-        simulated: Future[dict[str, np.ndarray]] | None = None
+        begin = 0.0
+        ahead: tuple[np.ndarray, Future[dict[str, np.ndarray]]] | None = None
         for time, current, initial in _portions(source):
-            if stream is None:
-                first = float(time[0]), float(current[0])
+            if stream is None:  # what warms up or swings does so from where the record begins
+                begin = float(time[0])
+                first = 0.0, float(current[0])
                 state, departure = start_of_readings(parameters, *first, initial)
                 stream = Stream(parameters, *first, state, departure=departure)
             # machine code needs no interpreter: meanwhile the portion before is written
-            following = worker.submit(stream.advance, time, current)
-            if simulated is not None:
-                _write(simulated.result(), writer, bar)
-            simulated = following
-        if simulated is not None:
-            _write(simulated.result(), writer, bar)
+            following = worker.submit(stream.advance, time - begin, current)
+            if ahead is not None:
+                _write(*ahead, writer, bar)
+            ahead = time, following
+        if ahead is not None:
+            _write(*ahead, writer, bar)
 
 
-def _write(seen: dict[str, np.ndarray], writer: CsvWriter, bar: tqdm) -> None:
+def _write(
+    time: np.ndarray, simulated: Future[dict[str, np.ndarray]], writer: CsvWriter, bar: tqdm
+) -> None:
+    """Write a portion once it is simulated, its times as they were read."""
+    seen = simulated.result() | {'time': time}
     writer.write_rows(np.column_stack([seen[name] for name in OUTPUT.values()]))
-    bar.update(len(seen['time']))
+    bar.update(len(time))
 
 
 def _check_columns(source: Path) -> None:
