@@ -154,9 +154,10 @@ step. With presliding the stem rests on a spring and has no moments at which it 
 ## Ensembles
 
 Throughput per thread (wall time) and CPU time per set, both relative to the same sets run one by
-one, half of them before and half after; medians of {ENSEMBLE_ROUNDS} rounds. Only what runs beside
-it lowers the former, and threads that share a core. The results are those of single runs to the
-last bit whatever the number of threads.
+one, half of them before and half after; medians of {ENSEMBLE_ROUNDS} rounds. Throughput per
+thread also falls where something else runs on the machine or threads share a core; CPU time per set
+shows what the ensemble itself costs. The results are those of single runs to the last bit whatever
+the number of threads.
 
 {ensembles()}
 
