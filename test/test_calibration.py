@@ -17,6 +17,7 @@ import pytest
 from scipy.signal import lfilter
 
 from booster_ros.diagnosis.calibration import calibrated, repeats
+from booster_ros.diagnosis.experiment import DriveNoise
 from booster_ros.diagnosis.noise_colour import Noise, noise_of, rests_of
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.model.simulation import simulate
@@ -149,7 +150,8 @@ def test_noise_of_measured_drives_reaches_what_is_compared():
     diagnosis = friction_found_in_a_sweep()
     pressure = diagnosis.experiment.pinned['chamber_pressure']
     noisy = pressure + 500.0 * np.random.default_rng(6).standard_normal(len(pressure))
-    experiment = replace(diagnosis.experiment, pinned={'chamber_pressure': noisy})
+    experiment = replace(diagnosis.experiment, pinned={'chamber_pressure': noisy},
+                         drive_noise={'chamber_pressure': DriveNoise(500.0)})
     before = experiment.predict(diagnosis.before)
     diagnosis = replace(diagnosis, experiment=experiment, runs={'before': before})
     (repeat,) = repeats(diagnosis, 1, seed=8)

@@ -262,6 +262,47 @@ def misfits(columns):
             for name, values in experiment.measured.items()}
 
 
+@pytest.mark.parametrize('every', [1, 2, 5])
+def test_a_drive_slower_than_the_rows_is_as_noisy_as_it_is(every):
+    columns = step_test()
+    del columns['control_current']
+    columns['chamber_pressure'][np.arange(ROWS) % every > 0] = np.nan
+    (misfit,) = misfits(columns).values()
+    assert 0.6 < misfit < 1.7
+
+
+def test_levels_between_which_a_drive_steps_are_no_noise():
+    supply = np.full(ROWS, 400e3)
+    constant = prepare(record_of(**step_test(), supply_pressure=supply), DECLARED)
+    supply[ROWS // 2:] = 410e3
+    stepped = prepare(record_of(**step_test(), supply_pressure=supply), DECLARED)
+    assert stepped.noise == pytest.approx(constant.noise, rel=1e-3)
+    assert stepped.drive_noise == constant.drive_noise
+
+
+def test_drives_of_a_sweep_have_no_noise_that_could_be_told():
+    """On a bench supply and back pressure stand at a few levels each."""
+    levels = np.repeat([100e3, 150e3, 200e3], ROWS // 3)
+    rows = {name: values[:len(levels)] for name, values in (BACK | CHAMBER | FLOW).items()}
+    assert prepare(record_of(**rows, supply_pressure=levels), DECLARED).drive_noise == {}
+
+
+def test_thinned_rows_hold_the_jumps_of_a_measured_drive():
+    time = 0.01 * np.arange(4000)
+    current = np.where(time % 8.0 < 4.0, 0.43e-3, 0.45e-3)
+    declared = DECLARED._replace(ep_converter=DECLARED.ep_converter._replace(time_constant=1e-3))
+    run = simulate(declared, time, current, {'chamber_pressure': 215e3})
+    back = run['back_pressure'] + 100.0 * np.random.default_rng(2).standard_normal(len(time))
+    experiment = prepare(record_of(
+        time=time, back_pressure=back, chamber_pressure=run['chamber_pressure'],
+        valve_position=run['valve_position']), declared)
+    thin, kept = experiment.thinned(8)
+    assert len(kept) < len(time) / 7
+    whole, fewer = experiment.predict(declared), thin.predict(declared)
+    for name, apart in (('chamber_pressure', 100.0), ('valve_position', 10e-6)):
+        assert np.std(fewer[name] - whole[name][kept]) < apart
+
+
 @pytest.mark.parametrize(('name', 'every'), [
     ('chamber_pressure', 2), ('chamber_pressure', 5), ('valve_position', 3)])
 def test_a_channel_slower_than_the_others_is_as_noisy_as_it_is(name, every):

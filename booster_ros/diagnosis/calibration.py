@@ -18,7 +18,6 @@ from booster_ros.diagnosis.diagnose import Progress, diagnose
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.late_commands import (
     AS_OFTEN, commands_may_be_late, with_late_commands)
-from booster_ros.diagnosis.noise import noise_level
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.result import Diagnosis, FalseAdd
 from booster_ros.diagnosis.start_state import first_value
@@ -62,15 +61,14 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
     drives = [experiment.current, *experiment.pinned.values()]
     rests = [] if experiment.quasi_static else rests_of(experiment.time, drives)
     noise = {name: noise_of(values, rests) for name, values in experiment.measured.items()}
-    of_drives = {name: noise_level(values) for name, values in experiment.pinned.items()}
     late = commands_may_be_late(experiment)
-    still = experiment.predict(model) if experiment.pinned or late else {}
+    still = experiment.predict(model) if experiment.drive_noise or late else {}
     for run in range(runs):
         rng = np.random.default_rng([seed, run])
         truth, driven = dict(diagnosis.runs['before']), experiment
-        if experiment.pinned:
+        if experiment.drive_noise:
             # what was read drives the model; what drove the valve is that less its noise
-            driven = driven.shaken(of_drives, rng)
+            driven = driven.shaken(experiment.drive_noise, rng)
         if late:
             # the valve took each command somewhere before the next row
             driven = with_late_commands(driven, AS_OFTEN, rng)

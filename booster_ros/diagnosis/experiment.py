@@ -3,7 +3,7 @@
 """An experiment: what drives the model, what is compared, and how noisy that is."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -46,13 +46,28 @@ class Initial:
 
 
 @dataclass(frozen=True)
+class DriveNoise:
+    """White noise of a measured drive: its level in the drive's unit, and a sample in how many rows."""
+
+    level: float
+    every: int = 1
+
+    def draw(self, rows: int, rng: np.random.Generator) -> Array:
+        """Return a draw, shape (rows,): a straight line from each sample to the next."""
+        sampled = np.arange(0, rows + self.every, self.every)
+        white = self.level * rng.standard_normal(len(sampled))
+        return np.interp(np.arange(rows), sampled, white)
+
+
+@dataclass(frozen=True)
 class Experiment:
     """
     A record made ready: arrays of shape (n,), SI units.
 
     `current` drives the E/P converter; `pinned` channels drive what is downstream of them instead
     of the model's own states; `measured` channels are compared, NaN where a row does not count;
-    `noise` is the standard deviation of each measured channel. A `quasi_static` experiment is a
+    `noise` is the standard deviation of each measured channel, `drive_noise` that of the pinned
+    ones, where it counts. A `quasi_static` experiment is a
     sweep without a clock: its time only counts rows. `notes` say what was left out and assumed;
     `tolerance` multiplies that of the solver.
     """
@@ -63,6 +78,7 @@ class Experiment:
     noise: dict[str, float]
     pinned: dict[str, Array]
     initial: Initial
+    drive_noise: Mapping[str, DriveNoise] = field(default_factory=dict)
     quasi_static: bool = False
     notes: tuple[str, ...] = ()
     tolerance: float = DEFAULT_TOLERANCE
@@ -83,11 +99,11 @@ class Experiment:
         """Whether a bench sets the pressures around the booster and reads its flow."""
         return 'mass_flow' in self.measured and 'chamber_pressure' in self.pinned
 
-    def shaken(self, noise: Mapping[str, float], rng: np.random.Generator) -> 'Experiment':
-        """Return this experiment with white noise of these levels added to its measured drives."""
-        return replace(self, pinned={
-            name: values + noise[name] * rng.standard_normal(len(values))
-            for name, values in self.pinned.items()})
+    def shaken(self, noise: Mapping[str, DriveNoise], rng: np.random.Generator) -> 'Experiment':
+        """Return this experiment with such noise added to its measured drives."""
+        shaken = {name: self.pinned[name] + one.draw(len(self.time), rng)
+                  for name, one in noise.items()}
+        return replace(self, pinned=self.pinned | shaken)
 
     def simulate(self, parameters: PositionerParameters, initial: Initial | None = None
                  ) -> Simulation:
@@ -121,18 +137,19 @@ class Experiment:
         """
         Return this experiment with fewer rows, and which rows those are.
 
-        Rows at which the drive jumps are kept, between them one of every `factor` stays; the
+        Rows at which a drive jumps are kept, between them one of every `factor` stays; the
         current that stands between two of them is the mean of what it was.
         """
         size = len(self.time)
-        step = np.abs(np.diff(self.current))
-        jump = step > max(20.0 * float(np.median(step)), 1e-3 * float(np.ptp(self.current)))
         keep = np.zeros(size, dtype=bool)
         keep[self._one_of_every(factor)] = True
         keep[[0, -1]] = True
-        rows = np.flatnonzero(jump) + 1
         for offset in (0, 1, 2):
-            keep[np.minimum(rows + offset, size - 1)] = True
+            keep[np.minimum(_jumps(self.current) + offset, size - 1)] = True
+        for name, values in self.pinned.items():
+            if name.endswith('_pressure'):  # runs straight from one row to the next
+                for offset in (-1, 0, 1, 2):
+                    keep[np.minimum(_jumps(values) + offset, size - 1)] = True
         kept = np.flatnonzero(keep)
         thin = replace(
             self, time=self.time[kept], current=self._mean_current(kept),
@@ -160,6 +177,13 @@ class Experiment:
         charge = np.concatenate(([0.0], np.cumsum(self.current[:-1] * np.diff(self.time))))
         mean = np.diff(charge[kept]) / np.diff(self.time[kept])
         return np.concatenate((mean, self.current[-1:]))
+
+
+def _jumps(drive: Array) -> Array:
+    """Return the rows to which a drive has come by far more than its usual step."""
+    step = np.abs(np.diff(drive))
+    far = max(20.0 * float(np.median(step)), 1e-3 * float(np.ptp(drive)))
+    return np.flatnonzero(step > far) + 1
 
 
 def rmse(measured: Array, predicted: Array, rows: Array) -> float:

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.experiment import DriveNoise, Experiment
 from booster_ros.diagnosis.late_commands import commands_may_be_late, with_noise_of_timing
+from booster_ros.diagnosis.noise import white_noise
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.plausibility import check_clock, check_pressures, check_scales
 from booster_ros.diagnosis.roles import Roles, roles
@@ -59,8 +60,9 @@ def prepare(
     columns, trimmed = _from_known_start(record, role)
     check_scales(columns, declared, record.source)
     time = columns.get('time')
+    sampled = {name: columns[name] for name in role.pinned}
     if time is not None:
-        columns |= {name: _between_samples(time, columns[name]) for name in role.pinned}
+        columns |= {name: _between_samples(time, values) for name, values in sampled.items()}
     quasi_static = time is None
     if time is None:
         time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
@@ -79,6 +81,8 @@ def prepare(
         noise={name: noise[name] for name in role.compared},
         pinned={name: _bridged(time, columns[name]) for name in role.pinned},
         initial=start_state(columns, declared, noise),
+        drive_noise={} if quasi_static else {
+            name: _drive_noise(time, current, name, values) for name, values in sampled.items()},
         quasi_static=quasi_static,
         notes=(*idle, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
                *_still_notes(compared)),
@@ -91,9 +95,7 @@ def prepare(
         experiment = with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
         experiment = with_start_of_converter(experiment, declared)
-    if role.pinned:
-        experiment = _with_noise_of_drives(experiment, declared, noise)
-    return experiment
+    return _with_noise_of_drives(experiment, declared)
 
 
 def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
@@ -186,6 +188,19 @@ def _noise(
             for name, values in columns.items() if name != 'time'}
 
 
+def _drive_noise(time: Array, current: Array, name: str, sampled: Array) -> DriveNoise:
+    """
+    Return the noise of a measured drive from its samples, before anything stands between them.
+
+    What its steps are from one another does not count: levels at which it stood are no resolution.
+    """
+    rests = rests_of(time, [current, _bridged(time, sampled)])
+    coloured = noise_of(sampled, rests)
+    level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))
+    every = round(len(sampled) / np.isfinite(sampled).sum())
+    return DriveNoise(max(float(level), LEAST_NOISE[name]), every)
+
+
 def _bridged(time: Array, values: Array) -> Array:
     known = np.isfinite(values)
     return np.interp(time, time[known], values[known])
@@ -229,12 +244,13 @@ def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
                  for name, values in known.items() if len(values) and np.ptp(values) == 0.0)
 
 
-def _with_noise_of_drives(
-    experiment: Experiment, declared: PositionerParameters, noise: Mapping[str, float]
-) -> Experiment:
+def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters) -> Experiment:
     """Return the experiment with what the noise of measured drives adds to what is compared."""
+    if not experiment.drive_noise:
+        return experiment
     still = experiment.predict(declared)
-    moved = experiment.shaken(noise, np.random.default_rng(1)).predict(declared)
+    shaken = experiment.shaken(experiment.drive_noise, np.random.default_rng(1))
+    moved = shaken.predict(declared)
     return replace(experiment, noise={
         name: float(np.hypot(level, np.nanstd(moved[name] - still[name])))
         for name, level in experiment.noise.items()})

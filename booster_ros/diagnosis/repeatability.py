@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.diagnosis.experiment import DriveNoise, Experiment, Initial
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.system import PositionerParameters
 
@@ -58,6 +58,6 @@ def _disturbed(experiment: Experiment, rng: np.random.Generator) -> Experiment:
     size = DISTURBANCE * float(np.ptp(experiment.current))
     commanded = experiment.current + size * rng.standard_normal(len(experiment.current))
     shaken = experiment.shaken(
-        {name: DISTURBANCE * float(np.ptp(values)) for name, values in experiment.pinned.items()},
-        rng)
+        {name: DriveNoise(DISTURBANCE * float(np.ptp(values)))
+         for name, values in experiment.pinned.items()}, rng)
     return replace(shaken, current=commanded)
