@@ -4,6 +4,7 @@
 
 from pathlib import Path
 import re
+import resource
 import tracemalloc
 
 from hypothesis import given, settings, strategies
@@ -317,6 +318,15 @@ def test_rows_without_time_and_empty_columns_are_dropped(tmp_path):
     assert 'valve_position' not in record
     assert len(record) == 49
     assert defects(record, 'empty_column')[0].column == 'valve_position'
+
+
+def test_a_column_whose_values_stand_in_rows_without_a_time_is_empty(tmp_path):
+    lines = [','.join([*line.split(',')[:3], '']) for line in good_lines()]
+    lines[0] = HEADER
+    lines[6] = ',0.0004,150000,0.001'
+    record = read_lines(tmp_path, lines)
+    assert 'valve_position' not in record
+    assert defects(record, 'empty_column')[0].column == 'valve_position'
     assert defects(record, 'missing_time')[0].first_row == 7
 
 
@@ -499,6 +509,25 @@ def test_an_interrupted_writer_leaves_nothing_and_keeps_the_old_file(tmp_path):
 def test_a_place_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(RecordError, match=r'no_folder.out\.csv cannot be written: No such file'):
         CsvWriter(tmp_path / 'no_folder' / 'out.csv', ['time'])
+    with pytest.raises(RecordError, match='cannot be written: File name too long'):
+        CsvWriter(tmp_path / ('x' * 300), ['time'])
+
+
+@pytest.mark.parametrize('rows', [1, 10_000])
+def test_a_full_disk_is_said_and_nothing_is_left(tmp_path, rows):
+    """Whether what was written is refused at once or when the file is closed."""
+    def fill():
+        with CsvWriter(tmp_path / 'record.csv', ['time']) as writer:
+            writer.write_rows(np.zeros((rows, 1)))
+
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4, limits[1]))
+    try:
+        with pytest.raises(RecordError, match=r'record\.csv cannot be written: File too large'):
+            fill()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_written_numbers_are_those_that_python_formats():

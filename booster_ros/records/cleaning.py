@@ -38,7 +38,8 @@ def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...
         check_pressure_scale(name, values, rows, source)
     if 'time' in columns:
         columns, rows, mended = _clean_time(columns, rows, source)
-        found += mended
+        columns, dropped = drop_empty_columns(columns, rows, source)  # of rows without a time
+        found += mended + dropped
     held = hold_command(columns, rows)
     found += held
     for name in columns:

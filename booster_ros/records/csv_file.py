@@ -3,7 +3,7 @@
 """Read CSV records, whole or in chunks of rows, and write them row by row."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import os
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
@@ -133,14 +133,14 @@ class CsvWriter:
 
     def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
         self._path = Path(path)
-        if self._path.is_dir():
-            raise RecordError(f'{self._path} cannot be written: it is a folder')
         self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
         decimals = [_decimals(name) for name in columns]
         self._decimals = [places for places in decimals if places is not None]
         self._row = ','.join(
             '%.9g' if places is None else f'%.{places}f' for places in decimals) + '\n'
         try:
+            if self._path.is_dir():
+                raise RecordError(f'{self._path} cannot be written: it is a folder')
             self._file = self._partial.open('wb')
             self._file.write((','.join(columns) + '\n').encode('ascii'))
         except OSError as error:
@@ -165,11 +165,13 @@ class CsvWriter:
             self._file.close()
             os.replace(self._partial, self._path)
         except OSError as error:
+            self.discard()
             raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
 
     def discard(self) -> None:
         """Remove what was written."""
-        self._file.close()
+        with suppress(OSError):  # a full disk takes not even the last of it
+            self._file.close()
         self._partial.unlink(missing_ok=True)
 
     def __enter__(self) -> 'CsvWriter':
