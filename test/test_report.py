@@ -31,6 +31,7 @@ from booster_ros.report.json_report import json_text
 from booster_ros.report.parameter_files import write_parameter_files
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.tables import declared_table, effect_table
+from booster_ros.report.view import View
 from booster_ros.report.wording import error_scale, verdict_sentences, verdict_title
 
 FROM = Provenance('plant.csv', 'declared.yaml')
@@ -154,6 +155,19 @@ def test_a_sweep_is_not_drawn_over_a_time_that_it_does_not_have():
     page = Page(html_page(friction_found_in_a_sweep(), FROM))
     assert 'time, s' not in page.texts
     assert 'chamber pressure, kPa' in page.texts
+
+
+def test_rows_of_a_commanded_sweep_are_drawn_over_the_current_that_had_stood():
+    current = np.linspace(0.42e-3, 0.46e-3, 30)
+    pressure = np.linspace(180e3, 260e3, 30)
+    made = diagnosis_of({'control_current': current, 'chamber_pressure': pressure}, 'none')
+    view = View(made)
+    assert view.driver == 'control_current'
+    drawn = view.drive('control_current')
+    compared = np.isfinite(made.experiment.measured['chamber_pressure'])
+    np.testing.assert_allclose(drawn[compared], 1e3 * current[compared])
+    assert np.array_equal(np.isnan(drawn), ~compared)
+    assert 'control current, mA' in Page(html_page(made, FROM)).texts
 
 
 def test_an_unnamed_term_is_shown_with_its_variable_place_and_range():

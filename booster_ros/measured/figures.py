@@ -12,7 +12,7 @@ from ..model.booster import diaphragm_force
 from ..paper.flow_bench import OUTLET
 from ..paper.printed import FLOW_UNIT
 from ..report.figure_style import AFTER, BEFORE, MEASURED, blank, envelope, shade_locked
-from ..report.figures import noise_band, residual_label
+from ..report.figures import measured_points, noise_band, residual_label
 from ..report.view import View, axis_label
 
 _STAGE_COLOURS = (BEFORE, AFTER)
@@ -57,10 +57,7 @@ def loop(view: View) -> Figure:
     pressure, position = view.drive('chamber_pressure'), view.measured('valve_position')
     figure = blank(3.9)
     left, right = figure.subplots(1, 2)
-    left.plot(pressure[~locked], position[~locked], 'o', markersize=4.5, color=MEASURED,
-              label='measured')
-    left.plot(pressure[locked], position[locked], 'o', markersize=4.5, markerfacecolor='white',
-              markeredgecolor=MEASURED, label='measured, held out')
+    measured_points(left, pressure, position, locked)
     noise_band(right, view, 'valve_position')
     for stage, label, colour in zip(view.stages, view.stage_labels, _STAGE_COLOURS):
         left.plot(pressure, view.model(stage, 'valve_position'), color=colour, label=label)

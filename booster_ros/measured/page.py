@@ -51,7 +51,7 @@ points or a shaded end are held out.
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table, all but the first column to the right where they are numbers."""
+    """Return a Markdown table."""
     lines = [head, ['---'] * len(head), *rows]
     return '\n'.join(f'| {" | ".join(cells)} |' for cells in lines) + '\n'
 

@@ -49,8 +49,11 @@ def _on_noise(diagnosis: Diagnosis) -> list[str]:
     ratios = [error.after / error.noise for error in diagnosis.held_out.values()]
     if max(ratios) <= NEAR_NOISE:
         return []
-    return [f'What is left of the held-out rows is {number(max(ratios), 2)} times the noise: this '
-            'is the best of the named explanations, not a complete one.']
+    found = {'effect': 'this is the best of the named explanations, not a complete one',
+             'unknown': 'the term without a name is not all that is missing',
+             'none': 'something is missing that nothing tried explains'}
+    return [f'What is left of the held-out rows is {number(max(ratios), 2)} times the noise: '
+            f'{found[diagnosis.verdict]}.']
 
 
 def _on_sizes(diagnosis: Diagnosis) -> list[str]:

@@ -10,6 +10,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 import numpy as np
 
 from booster_ros.diagnosis.result import ChannelError, UnknownTerm
+from booster_ros.diagnosis.segments import rows_of
 from booster_ros.report.engineering import scale_of
 from booster_ros.report.explanation import binned_mean
 from booster_ros.report.figure_style import (
@@ -164,11 +165,9 @@ def sweep(view: View) -> Figure:
     figure = blank(0.6 + 3.3 * len(view.channels))
     grid = figure.subplots(len(view.channels), 2, squeeze=False)
     x = view.drive(driver)
-    locked = np.zeros(len(x), dtype=bool)
-    for segment in view.diagnosis.segments:
-        locked[segment.first:segment.last] = segment.role == 'test'
+    locked = rows_of(list(view.diagnosis.segments), ('test',), len(x))
     for row, name in zip(grid, view.channels):
-        _measured_points(row[0], x, view.measured(name), locked)
+        measured_points(row[0], x, view.measured(name), locked)
         noise_band(row[1], view, name)
         for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
             for part in _branches(view, driver):
@@ -185,7 +184,8 @@ def sweep(view: View) -> Figure:
     return figure
 
 
-def _measured_points(axes: Axes, x: Array, y: Array, locked: Array) -> None:
+def measured_points(axes: Axes, x: Array, y: Array, locked: Array) -> None:
+    """Draw the points of a sweep, hollow where they were held out."""
     axes.plot(x[~locked], y[~locked], 'o', color=MEASURED, markersize=4.5, alpha=0.6,
               label='measured')
     axes.plot(x[locked], y[locked], 'o', markerfacecolor='white', markeredgecolor=MEASURED,

@@ -71,13 +71,17 @@ class View:
     def drives(self) -> tuple[str, ...]:
         """The driving channels that are worth a look: those that move, else all."""
         drives = self.diagnosis.experiment.drives
-        return tuple(name for name in drives if np.ptp(self.drive(name)) > 0.0) or drives
+        return tuple(name for name in drives if np.ptp(self.drive(name)[1:]) > 0.0) or drives
 
     def drive(self, name: str) -> Array:
-        """Return a driving channel, in engineering units."""
+        """Return a driving channel, NaN where a row was read before it, in engineering units."""
         experiment = self.diagnosis.experiment
-        values = experiment.current if name == 'control_current' else experiment.pinned[name]
-        return values * scale(name).factor
+        if name != 'control_current':
+            return experiment.pinned[name] * scale(name).factor
+        current = experiment.current
+        if experiment.quasi_static:  # a row of a sweep is read after the current before it
+            current = np.append(np.nan, current[:-1])
+        return current * scale(name).factor
 
     @property
     def driver(self) -> str | None:
