@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`close_loop` as a process: what it writes, what it refuses, and what an interruption leaves."""
 
+import io
 import json
 import os
 import signal
@@ -187,3 +188,34 @@ def test_an_interruption_that_comes_where_python_drops_it_is_not_lost(
     assert 'nothing was written' in capsys.readouterr().err
     assert not out.exists()
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_interruption_among_the_last_moves_is_too_late(
+        tmp_path, declared, record, monkeypatch):
+    """Of a result all files are new, or none is."""
+    out = tmp_path / 'out'
+    out.mkdir()
+    (out / 'positioner.yaml').write_text('earlier')
+    move = os.replace
+
+    def moved_and_interrupted(source, target):
+        move(source, target)
+        if str(source).endswith('.json'):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(os, 'replace', moved_and_interrupted)
+    status = program.main(['--record', str(record), '--params', str(declared), '--out', str(out)])
+    assert status == 0
+    assert {path.name for path in out.iterdir()} == WRITTEN
+    assert (out / 'positioner.yaml').read_text() != 'earlier'
+
+
+def test_a_terminal_that_lacks_a_sign_gets_another(tmp_path, declared, record, monkeypatch):
+    printed = io.BytesIO()
+    monkeypatch.setattr(sys, 'stdout', io.TextIOWrapper(printed, encoding='latin-1'))
+    monkeypatch.setattr(program, 'verdict_title', lambda _: '12\u202f345 Pa')
+    status = program.main(
+        ['--record', str(record), '--params', str(declared), '--out', str(tmp_path / 'out')])
+    sys.stdout.flush()
+    assert status == 0
+    assert printed.getvalue().startswith(b'12?345 Pa.')

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import TextIOWrapper
 import os
 from pathlib import Path
 import shutil
@@ -31,7 +32,7 @@ from ..report.parameter_files import write_parameter_files
 from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
 from .compiling import announce_compilation
-from .interruption import kept_interruption
+from .interruption import ignore_interruptions, kept_interruption
 
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
@@ -52,6 +53,8 @@ def main(args: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print('close_loop: interrupted, nothing was written', file=sys.stderr)
         return 130
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors='replace')  # not every terminal knows a thin space
     print(f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis), sep='\n  ')
     print(f'Report: {_legible(options.out / "report.html")}')
     return 0
@@ -178,6 +181,7 @@ def _output_folder(out: Path) -> Iterator[Path]:
         work.mkdir()
         yield work
         out.mkdir(parents=True, exist_ok=True)
+        ignore_interruptions()  # of a result all files are new, or none is
         for name in WRITTEN:
             os.replace(work / name, out / name)
     finally:

@@ -59,7 +59,7 @@ def main(args: Sequence[str] | None = None) -> int:
         out.mkdir(parents=True, exist_ok=True)
         record = play_step_test(out)
         report(record, out / 'step_test.png')
-    except (DemoError, RecordError, OSError, ValueError) as error:
+    except (DemoError, RecordError, OSError, RuntimeError, ValueError) as error:
         print(f'demo: {error}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:

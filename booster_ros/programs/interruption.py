@@ -43,3 +43,10 @@ def kept_interruption() -> Iterator[Callable[[], None]]:
     finally:
         for number, handler in previous.items():
             signal.signal(number, handler)
+
+
+def ignore_interruptions() -> None:
+    """Let no signal interrupt the rest of `kept_interruption`: it is too late to stop."""
+    if threading.current_thread() is threading.main_thread():
+        for number in _SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
