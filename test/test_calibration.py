@@ -18,7 +18,8 @@ from scipy.signal import lfilter
 
 from booster_ros.diagnosis.calibration import calibrated, repeats
 from booster_ros.diagnosis.experiment import DriveNoise
-from booster_ros.diagnosis.noise_colour import Noise, noise_of, rests_of
+from booster_ros.diagnosis.noise_colour import (
+    FEWEST_PIECES, MOST_ROWS, Noise, noise_of, rests_of)
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
@@ -131,6 +132,13 @@ def test_a_rest_begins_when_all_drives_have_settled_and_holds_no_gap():
         inside = time[rest]
         assert inside[-1] - inside[0] < 2.0
         assert not any(inside[0] - 2.9 < change < inside[-1] for change in changes)
+
+
+def test_a_rest_of_a_fast_record_is_cut_into_pieces_that_can_be_reckoned_with():
+    time = 2e-4 * np.arange(40_000)
+    rests = rests_of(time, [np.zeros(len(time))])
+    assert len(rests) >= FEWEST_PIECES
+    assert all(rest.stop - rest.start == MOST_ROWS for rest in rests)
 
 
 def test_a_repeat_is_the_refitted_model_with_noise_like_that_of_the_record():

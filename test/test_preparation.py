@@ -128,6 +128,17 @@ def test_at_a_stop_the_booster_tells_where_the_chamber_starts(position, current,
     assert low <= prepare(record, DECLARED).initial.chamber_pressure <= high
 
 
+def test_a_back_pressure_that_begins_later_does_not_tell_where_the_chamber_starts():
+    columns = step_test()
+    del columns['chamber_pressure']
+    columns['valve_position'][:] = 0.0
+    columns['back_pressure'] = np.full(ROWS, 200e3)
+    columns['back_pressure'][::2] = np.nan
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert np.isfinite(experiment.initial.chamber_pressure)
+    assert np.isfinite(experiment.predict(DECLARED)['back_pressure']).all()
+
+
 def test_missing_measurements_do_not_count_and_the_others_stay():
     columns = step_test()
     columns['valve_position'][50:80] = np.nan
@@ -230,6 +241,29 @@ def test_a_current_that_is_none_throughout_a_sweep_did_not_drive_it():
     assert any('control_current is 0 A in every row' in note for note in experiment.notes)
     with pytest.raises(RecordError, match='nothing can be compared'):
         prepare(record_of(control_current=np.zeros(ROWS), **POSITION), DECLARED)
+    started = np.where(np.arange(ROWS) > 0, 0.0, 0.4e-3)  # the first row only begins
+    experiment = prepare(record_of(control_current=started, **by_hand), DECLARED)
+    assert experiment.drives == ('chamber_pressure',)
+
+
+def test_a_position_beside_the_flow_of_a_bench_is_left_out_and_that_is_said():
+    experiment = prepare(record_of(**BACK, **FLOW, **CHAMBER, **SUPPLY, **POSITION), DECLARED)
+    assert experiment.channels == ('mass_flow',)
+    assert any('valve_position is not compared' in note for note in experiment.notes)
+
+
+@pytest.mark.parametrize('name', ['opening_gain', 'max_area'])
+def test_a_flow_bench_is_refused_where_the_declared_booster_has_no_flow(name):
+    shut = DECLARED._replace(booster=DECLARED.booster._replace(**{name: 0.0}))
+    with pytest.raises(RecordError, match=f'booster.{name} must be above 0'):
+        prepare(record_of(**BACK, **FLOW, **CHAMBER, **SUPPLY), shut)
+
+
+def test_a_sweep_in_absolute_pressure_is_refused():
+    stem = 0.016 * np.clip((RAMP - 150e3) / 150e3, 0.0, 1.0)
+    prepare(record_of(valve_position=stem, **CHAMBER), DECLARED)
+    with pytest.raises(RecordError, match='looks like absolute pressure'):
+        prepare(record_of(valve_position=stem, chamber_pressure=RAMP + 101_325.0), DECLARED)
 
 
 def test_a_sweep_of_currents_is_compared_after_each_has_stood():
@@ -388,6 +422,16 @@ def test_a_record_that_begins_with_its_first_command_starts_with_the_converter_w
     assert experiment.initial.departure.back_pressure == pytest.approx(at_first, abs=2e3)
     assert any('had not settled at the first command' in note for note in experiment.notes)
     assert prepare(record_of(**step_test()), DECLARED).initial.departure.back_pressure == 0.0
+
+
+def test_a_vented_valve_says_nothing_of_where_its_converter_starts():
+    time = 0.01 * np.arange(1000)
+    current = np.where(time < 5.0, 0.0, 0.43e-3)
+    run = simulate(DECLARED, time, current)
+    experiment = prepare(record_of(
+        time=time, control_current=current, chamber_pressure=run['chamber_pressure']), DECLARED)
+    assert experiment.initial.departure.back_pressure == 0.0
+    assert not any('had not settled' in note for note in experiment.notes)
 
 
 @pytest.mark.parametrize(('column', 'wrong', 'says'), [

@@ -82,7 +82,7 @@ def matters(parameter: str, experiment: Experiment) -> bool:
     """Tell whether a declared parameter, by its dotted name, can change what is compared."""
     component = parameter.split('.')[0]
     if component == 'actuator' and experiment.is_flow_bench:
-        return 'valve_position' in experiment.measured
+        return False
     if component == 'supply' and 'supply_pressure' in experiment.pinned:
         return False
     if component == 'ep_converter' and 'back_pressure' in experiment.pinned:

@@ -47,7 +47,7 @@ class Initial:
 
 @dataclass(frozen=True)
 class DriveNoise:
-    """White noise of a measured drive: its level in the drive's unit, and a sample in how many rows."""
+    """White noise of a measured drive: its level (unit of the drive), a sample in how many rows."""
 
     level: float
     every: int = 1

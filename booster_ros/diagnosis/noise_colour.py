@@ -29,9 +29,9 @@ SETTLING = 3.0
 """A drive has stood still for so long, s, before a rest begins: a chamber fills in seconds."""
 
 PIECE = 1.0
-"""Length of a piece of a rest, s, and its fewest rows."""
-
-FEWEST_ROWS = 32
+FEWEST_ROWS, MOST_ROWS = 32, 500
+"""Length of a piece of a rest, s, and its rows at the least and at the most: what is reckoned with
+the covariance of a piece takes their cube."""
 
 FEWEST_PIECES = 12
 """With fewer pieces noise is taken as white."""
@@ -131,7 +131,7 @@ def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
     """
     steps = np.diff(time)
     usual = float(np.median(steps))
-    rows, lead = max(round(PIECE / usual), FEWEST_ROWS), round(SETTLING / usual)
+    rows, lead = min(max(round(PIECE / usual), FEWEST_ROWS), MOST_ROWS), round(SETTLING / usual)
     moving = [(drive, _range_at_rest(drive)) for drive in drives if np.ptp(drive) > 0.0]
     rests = []
     first = lead

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment, rmse
+from booster_ros.diagnosis.freedom import BENCH, get
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
@@ -79,6 +80,16 @@ def check_scales(
                 f'{least:.3g} to {most:.3g} Pa in every row, the supply has '
                 f'{declared.supply.pressure:.3g}: it is the current of another converter, or '
                 'ep_converter.gain and ep_converter.offset are')
+
+
+def check_bench(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where a flow bench is to find seats that the declared model keeps shut."""
+    if not experiment.is_flow_bench:
+        return
+    for name in BENCH:
+        if get(declared, name) <= 0.0:
+            raise RecordError(
+                f'{source}: a flow bench, around a booster without flow: {name} must be above 0')
 
 
 def check_pressures(

@@ -11,7 +11,8 @@ from booster_ros.diagnosis.experiment import DriveNoise, Experiment
 from booster_ros.diagnosis.late_commands import commands_may_be_late, with_noise_of_timing
 from booster_ros.diagnosis.noise import white_noise
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
-from booster_ros.diagnosis.plausibility import check_clock, check_pressures, check_scales
+from booster_ros.diagnosis.plausibility import (
+    check_bench, check_clock, check_pressures, check_scales)
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
@@ -87,10 +88,11 @@ def prepare(
         notes=(*idle, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
                *_still_notes(compared)),
     )
+    check_bench(experiment, declared, record.source)
+    check_pressures(experiment, declared, record.source)
     if quasi_static:
         return experiment
     check_clock(experiment, declared, record.source)
-    check_pressures(experiment, declared, record.source)
     if commands_may_be_late(experiment):
         experiment = with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
@@ -99,13 +101,13 @@ def prepare(
 
 
 def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """Return the record without a current that is 0 in every row of a sweep: it drove nothing."""
+    """Return the record without a current that is 0 wherever a sweep is compared."""
     current = record.columns.get('control_current')
-    if current is None or 'time' in record or np.any(np.nan_to_num(current)):
+    if current is None or 'time' in record or np.any(np.nan_to_num(current[1:])):
         return record, ()
     others = {name: values for name, values in record.columns.items() if name != 'control_current'}
     return replace(record, columns=others), (
-        'control_current is 0 A in every row of the sweep: it did not drive it',)
+        'control_current is 0 A in every row that a sweep is compared in: it did not drive it',)
 
 
 def _from_known_start(

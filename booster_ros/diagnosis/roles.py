@@ -62,7 +62,8 @@ def _roles(present: Collection[str], supply: tuple[str, ...], timed: bool) -> Ro
     booster_known = bool(those('back_pressure', 'supply_pressure'))
     if not timed and booster_known and those('mass_flow', 'chamber_pressure') == (
             'mass_flow', 'chamber_pressure'):
-        return _flow_bench(those('back_pressure', 'chamber_pressure') + supply)
+        return _flow_bench(
+            those('back_pressure', 'chamber_pressure') + supply, those('valve_position'))
     if 'back_pressure' in present:
         compared = those('mass_flow', 'chamber_pressure', 'valve_position')
         return Roles(False, ('back_pressure', *supply), compared)
@@ -74,8 +75,9 @@ def _roles(present: Collection[str], supply: tuple[str, ...], timed: bool) -> Ro
     return None
 
 
-def _flow_bench(pinned: tuple[str, ...]) -> Roles:
+def _flow_bench(pinned: tuple[str, ...], idle: tuple[str, ...]) -> Roles:
     """Return the roles on a bench that sets the pressures around the booster and reads its flow."""
-    notes = () if 'back_pressure' in pinned else (
-        'no back_pressure in the record: taken as that of no current',)
+    notes = tuple(f'{name} is not compared: a flow bench is judged by its flow' for name in idle)
+    if 'back_pressure' not in pinned:
+        notes += ('no back_pressure in the record: taken as that of no current',)
     return Roles(False, pinned, ('mass_flow',), notes)

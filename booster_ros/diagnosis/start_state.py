@@ -82,7 +82,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     supply = declared.supply.pressure
     settled = settled_back_pressure(declared.ep_converter, first.current[0], supply, 0.0, 0.0)
     found = minimize_scalar(missed, bounds=(-settled, supply - settled), method='bounded')
-    if found.fun > _EVIDENT * missed(0.0) or abs(found.x) < _NEARLY_SETTLED:
+    if found.fun >= _EVIDENT * missed(0.0) or abs(found.x) < _NEARLY_SETTLED:
         return experiment
     note = (f'the E/P converter had not settled at the first command: it is taken to start at '
             f'{settled + found.x:.0f} Pa')
@@ -114,9 +114,8 @@ def _settled_pressure(columns: Mapping[str, Array], declared: PositionerParamete
     supply = declared.supply.pressure
     if 'supply_pressure' in columns:
         supply = float(columns['supply_pressure'][0])
-    if 'back_pressure' in columns:
-        back = float(columns['back_pressure'][0])
-    else:
+    back = float(columns['back_pressure'][0]) if 'back_pressure' in columns else np.nan
+    if not np.isfinite(back):  # compared channels may begin later
         current = float(columns['control_current'][0]) if 'control_current' in columns else 0.0
         back = settled_back_pressure(declared.ep_converter, current, supply, 0.0, 0.0)
     b = declared.booster

@@ -69,6 +69,8 @@ def _in_another_phase(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def _opened_further(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
     """Return a sentence for each seat that is open fully in this record and never in the first."""
+    if not {'control_current', 'back_pressure'} & set(experiment.drives):
+        return ()  # nothing says how far the booster is open
     fitted = _fully_open(diagnosis.experiment, diagnosis.after)
     judged = _fully_open(experiment, diagnosis.after)
     return tuple(
