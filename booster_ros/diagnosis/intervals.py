@@ -36,7 +36,7 @@ AT_BOUND = 1e-2
 """A size this near its bound, relative to its range, has run into it."""
 
 
-def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) -> Array:
+def block_bootstrap(problem: Problem, fit: Fit, of_row: Array) -> Array:
     """
     Return draws of z, shape (DRAWS, variables), by a block bootstrap of whole segments.
 
@@ -49,10 +49,10 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) ->
     while it is young, and where the size is none the shape is nothing.
     """
     label = _labels(problem, _blocks(problem, fit, of_row))
-    return _draws(problem, fit, problem.residuals(fit.z), fit.jacobian, label, seed)
+    return _draws(problem, fit, problem.residuals(fit.z), fit.jacobian, label)
 
 
-def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array, seed: int = 1) -> Array:
+def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array) -> Array:
     """
     Return draws as `block_bootstrap` does, of the means in which single slips do not show.
 
@@ -64,7 +64,7 @@ def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array, seed: in
     slopes = problem.slopes_of_means(fit.z, here, problem.slopes_of_means(fit.z, here))
     label = np.concatenate([
         of_row[rows][slips.first] for rows, slips in zip(problem.counted.values(), problem.slips)])
-    return _draws(problem, fit, here, slopes, label, seed)
+    return _draws(problem, fit, here, slopes, label)
 
 
 def _blocks(problem: Problem, fit: Fit, of_row: Array) -> Array:
@@ -76,7 +76,7 @@ def _blocks(problem: Problem, fit: Fit, of_row: Array) -> Array:
     return _cut(of_row, FEWEST_BLOCKS) if in_few else of_row
 
 
-def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: Array, seed: int
+def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: Array
            ) -> Array:
     data = len(label)
     blocks = np.unique(label)
@@ -89,7 +89,7 @@ def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: 
         hessians[b] = jacobian[mask].T @ jacobian[mask]
     prior_gradient = jacobian[data:].T @ residual[data:]
     prior_hessian = jacobian[data:].T @ jacobian[data:]
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(1)
     draws = np.empty((DRAWS, size))
     # a size is of its typical order: without that, a draw in which a size hardly shows is anything
     ridge = np.eye(size) / WIDEST**2

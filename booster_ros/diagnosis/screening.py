@@ -144,8 +144,8 @@ PADDING = 8
 oscillation ends as far out of step as can be, and a fit stops at the wrong one."""
 
 
-def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
-    """Return the strongest frequencies, Hz, in the fitted residual of the first channel."""
+def strong_frequencies(problem: Problem, z: Array) -> Array:
+    """Return the strongest frequencies, Hz, four at most, in what the first channel leaves."""
     predicted = problem.predict(z)
     time = problem.experiment.time
     if predicted is None or len(time) < 32:
@@ -163,7 +163,7 @@ def strong_frequencies(problem: Problem, z: Array, count: int = 4) -> Array:
     found = []
     for ranking in (weighted, lines):
         ranking = ranking.copy()
-        for _ in range(count // 2):
+        for _ in range(2):
             k = int(np.argmax(ranking))
             found.append(float(frequency[k]))
             ranking[max(k - 3 * PADDING, 0):k + 3 * PADDING + 1] = 0.0

@@ -19,6 +19,9 @@ SHORTEST = 3.0
 LONGEST = 8.0
 """A segment without a change of the drive is cut after this time, s."""
 
+LOCKED = 0.2
+"""Share of a record that is locked, at its end."""
+
 FEWEST_ROWS = 4
 """But no piece is of fewer rows, where rows are seconds apart."""
 
@@ -55,19 +58,19 @@ def drive_changes(time: Array, drive: Array) -> Array:
     return np.flatnonzero(change > 0.2 * spread + 1e-30) + 1
 
 
-def split(time: Array, drive: Array, locked: float = 0.2) -> list[Segment]:
+def split(time: Array, drive: Array) -> list[Segment]:
     """
     Cut a record at changes of its drive, and at gaps, and give each segment a role.
 
-    The last `locked` share of the record is the test part, opened once. Of the rest every third
-    segment selects between models, the others fit them. RecordError where the record is too short
+    The last fifth of the record is the test part, opened once. Of the rest every third segment
+    selects between models, the others fit them. RecordError where the record is too short
     for that.
     """
     clock = _clock_without_gaps(time)
     changes = np.union1d(drive_changes(clock, drive), np.flatnonzero(np.diff(clock) == 0.0) + 1)
     division = 1
     while division <= FINEST:
-        segments = _cut(clock, changes, SHORTEST / division, LONGEST / division, locked)
+        segments = _cut(clock, changes, SHORTEST / division, LONGEST / division)
         count = Counter(segment.role for segment in segments)
         if all(count[role] >= fewest for role, fewest in FEWEST.items()):
             return segments
@@ -88,8 +91,7 @@ def _clock_without_gaps(time: Array) -> Array:
     return np.concatenate((time[:1], time[0] + np.cumsum(steps)))
 
 
-def _cut(clock: Array, changes: Array, shortest: float, longest: float, locked: float
-         ) -> list[Segment]:
+def _cut(clock: Array, changes: Array, shortest: float, longest: float) -> list[Segment]:
     edges = [0]
     for row in changes:
         long = min(clock[row] - clock[edges[-1]], clock[-1] - clock[row]) >= shortest
@@ -101,7 +103,7 @@ def _cut(clock: Array, changes: Array, shortest: float, longest: float, locked: 
         parts = max(1, min(int(np.ceil(length / longest)), (last - first) // FEWEST_ROWS))
         fine.extend(np.linspace(first, last, parts + 1).astype(int)[:-1].tolist())
     fine.append(len(clock))
-    begin_test = clock[0] + (1.0 - locked) * (clock[-1] - clock[0])
+    begin_test = clock[0] + (1.0 - LOCKED) * (clock[-1] - clock[0])
     segments: list[Segment] = []
     for k, (first, last) in enumerate(pairwise(fine)):
         middle = 0.5 * (clock[first] + clock[last - 1])

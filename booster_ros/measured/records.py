@@ -7,7 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from ..diagnosis.diagnose import Progress, diagnose
+from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment import Experiment
 from ..diagnosis.preparation import prepare
 from ..diagnosis.result import Diagnosis
@@ -51,10 +51,10 @@ class MeasuredRecord(NamedTuple):
         experiment = prepare(record, declared)
         return experiment, declared, (*record.notes, *experiment.notes)
 
-    def diagnosis(self, progress: Progress | None = None) -> Diagnosis:
+    def diagnosis(self) -> Diagnosis:
         """Return what `close_loop` says of it; RecordError, ParameterError as there."""
         experiment, declared, notes = self.experiment()
-        return diagnose(experiment, declared, progress, notes)
+        return diagnose(experiment, declared, notes=notes)
 
 
 def _chamber(material: str) -> MeasuredRecord:
