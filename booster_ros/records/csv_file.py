@@ -133,7 +133,6 @@ class CsvWriter:
 
     def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
         self._path = Path(path)
-        self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
         decimals = [_decimals(name) for name in columns]
         self._decimals = [places for places in decimals if places is not None]
         self._row = ','.join(
@@ -141,6 +140,8 @@ class CsvWriter:
         try:
             if self._path.is_dir():
                 raise RecordError(f'{self._path} cannot be written: it is a folder')
+            # a folder may have no name: /
+            self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
             self._file = self._partial.open('wb')
             self._file.write((','.join(columns) + '\n').encode('ascii'))
         except OSError as error:
