@@ -67,9 +67,9 @@ class Experiment:
     `current` drives the E/P converter; `pinned` channels drive what is downstream of them instead
     of the model's own states; `measured` channels are compared, NaN where a row does not count;
     `noise` is the standard deviation of each measured channel, `drive_noise` that of the pinned
-    ones, where it counts. A `quasi_static` experiment is a
-    sweep without a clock: its time only counts rows. `notes` say what was left out and assumed;
-    `tolerance` multiplies that of the solver.
+    ones, where it counts. A `quasi_static` experiment is a sweep without a clock: its time only
+    counts rows. `notes` say what was left out and assumed; `tolerance` multiplies that of the
+    solver.
     """
 
     time: Array
@@ -144,12 +144,12 @@ class Experiment:
         keep = np.zeros(size, dtype=bool)
         keep[self._one_of_every(factor)] = True
         keep[[0, -1]] = True
-        for offset in (0, 1, 2):
-            keep[np.minimum(_jumps(self.current) + offset, size - 1)] = True
-        for name, values in self.pinned.items():
-            if name.endswith('_pressure'):  # runs straight from one row to the next
-                for offset in (-1, 0, 1, 2):
-                    keep[np.minimum(_jumps(values) + offset, size - 1)] = True
+        around = [np.add.outer(_jumps(self.current), (0, 1, 2))]
+        # a pressure runs straight from one row to the next: the row before a jump counts too
+        around += [np.add.outer(_jumps(values), (-1, 0, 1, 2))
+                   for name, values in self.pinned.items() if name.endswith('_pressure')]
+        for rows in around:
+            keep[np.minimum(rows, size - 1)] = True
         kept = np.flatnonzero(keep)
         thin = replace(
             self, time=self.time[kept], current=self._mean_current(kept),

@@ -74,25 +74,28 @@ def prepare(
     compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
     _check_enough(compared, record.source)
     current = _current(columns, role, quasi_static)
-    noise = _noise(time, columns, current, role, quasi_static)
+    pinned = {name: _bridged(time, columns[name]) for name in role.pinned}
+    rests = [] if quasi_static else rests_of(time, [current, *pinned.values()])
+    noise = _noise(columns, rests)
     experiment = Experiment(
         time=time,
         current=current,
         measured=compared,
         noise={name: noise[name] for name in role.compared},
-        pinned={name: _bridged(time, columns[name]) for name in role.pinned},
+        pinned=pinned,
         initial=start_state(columns, declared, noise),
         drive_noise={} if quasi_static else {
-            name: _drive_noise(time, current, name, values) for name, values in sampled.items()},
+            name: _drive_noise(name, values, rests) for name, values in sampled.items()},
         quasi_static=quasi_static,
         notes=(*idle, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
                *_still_notes(compared)),
     )
     check_bench(experiment, declared, record.source)
+    if not quasi_static:
+        check_clock(experiment, declared, record.source)
     check_pressures(experiment, declared, record.source)
     if quasi_static:
         return experiment
-    check_clock(experiment, declared, record.source)
     if commands_may_be_late(experiment):
         experiment = with_noise_of_timing(experiment, declared)
     if role.commanded and 'back_pressure' not in columns:
@@ -180,23 +183,18 @@ def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> A
     return current
 
 
-def _noise(
-    time: Array, columns: Mapping[str, Array], current: Array, role: Roles, quasi_static: bool
-) -> dict[str, float]:
+def _noise(columns: Mapping[str, Array], rests: list[slice]) -> dict[str, float]:
     """Return the noise level of every channel: coloured noise is more than its differences show."""
-    drives = [current, *(_bridged(time, columns[name]) for name in role.pinned)]
-    rests = [] if quasi_static else rests_of(time, drives)
     return {name: max(noise_of(values, rests).level, LEAST_NOISE.get(name, 0.0))
             for name, values in columns.items() if name != 'time'}
 
 
-def _drive_noise(time: Array, current: Array, name: str, sampled: Array) -> DriveNoise:
+def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
     """
     Return the noise of a measured drive from its samples, before anything stands between them.
 
     What its steps are from one another does not count: levels at which it stood are no resolution.
     """
-    rests = rests_of(time, [current, _bridged(time, sampled)])
     coloured = noise_of(sampled, rests)
     level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))
     every = round(len(sampled) / np.isfinite(sampled).sum())

@@ -7,7 +7,6 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 import numpy as np
 
-from ..diagnosis.segments import rows_of
 from ..model.booster import diaphragm_force
 from ..paper.flow_bench import OUTLET
 from ..paper.printed import FLOW_UNIT
@@ -20,7 +19,7 @@ _STAGE_COLOURS = (BEFORE, AFTER)
 
 def flow_over_force(view: View) -> Figure:
     """Draw flow over diaphragm force, and what is left of it, a column for each supply."""
-    experiment, locked = view.diagnosis.experiment, locked_rows(view)
+    experiment, locked = view.diagnosis.experiment, view.locked
     supply = experiment.pinned['supply_pressure']
     booster = view.diagnosis.declared.booster
     force = np.array([diaphragm_force(booster, back, OUTLET, at) for back, at in zip(
@@ -53,11 +52,10 @@ def flow_over_force(view: View) -> Figure:
 
 def loop(view: View) -> Figure:
     """Draw stem over pressure, up and down, and what is left of it."""
-    locked = locked_rows(view)
     pressure, position = view.drive('chamber_pressure'), view.measured('valve_position')
     figure = blank(3.9)
     left, right = figure.subplots(1, 2)
-    measured_points(left, pressure, position, locked)
+    measured_points(left, pressure, position, view.locked)
     noise_band(right, view, 'valve_position')
     for stage, label, colour in zip(view.stages, view.stage_labels, _STAGE_COLOURS):
         left.plot(pressure, view.model(stage, 'valve_position'), color=colour, label=label)
@@ -91,8 +89,3 @@ def decay(view: View) -> Figure:
     handles, labels = above.get_legend_handles_labels()
     figure.legend(handles, labels, loc='outside upper left', ncols=3)
     return figure
-
-
-def locked_rows(view: View) -> np.ndarray:
-    """Return which rows were held out, shape (n,)."""
-    return rows_of(list(view.diagnosis.segments), ('test',), len(view.time))

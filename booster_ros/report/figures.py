@@ -10,7 +10,6 @@ from matplotlib.ticker import LogLocator, NullLocator
 import numpy as np
 
 from booster_ros.diagnosis.result import ChannelError, UnknownTerm
-from booster_ros.diagnosis.segments import rows_of
 from booster_ros.report.engineering import scale_of
 from booster_ros.report.explanation import binned_mean
 from booster_ros.report.figure_style import (
@@ -165,9 +164,8 @@ def sweep(view: View) -> Figure:
     figure = blank(0.6 + 3.3 * len(view.channels))
     grid = figure.subplots(len(view.channels), 2, squeeze=False)
     x = view.drive(driver)
-    locked = rows_of(list(view.diagnosis.segments), ('test',), len(x))
     for row, name in zip(grid, view.channels):
-        measured_points(row[0], x, view.measured(name), locked)
+        measured_points(row[0], x, view.measured(name), view.locked)
         noise_band(row[1], view, name)
         for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
             for part in _branches(view, driver):

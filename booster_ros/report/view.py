@@ -9,6 +9,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment import UNITS
 from booster_ros.diagnosis.result import Diagnosis
+from booster_ros.diagnosis.segments import rows_of
 from booster_ros.report.engineering import Scale, scale_of
 from booster_ros.report.wording import channel_label
 
@@ -47,6 +48,11 @@ class View:
         return self.diagnosis.experiment.time
 
     @property
+    def locked(self) -> Array:
+        """Which rows were held out, shape (n,)."""
+        return rows_of(list(self.diagnosis.segments), ('test',), len(self.time))
+
+    @property
     def channels(self) -> tuple[str, ...]:
         """The compared channels."""
         return self.diagnosis.experiment.channels
@@ -69,7 +75,7 @@ class View:
 
     @property
     def drives(self) -> tuple[str, ...]:
-        """The driving channels that are worth a look: those that move, else all."""
+        """The driving channels that are worth a look: those that move after row 0, else all."""
         drives = self.diagnosis.experiment.drives
         return tuple(name for name in drives if np.ptp(self.drive(name)[1:]) > 0.0) or drives
 
