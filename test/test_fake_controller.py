@@ -214,7 +214,8 @@ def test_the_position_loop_moves_the_stem_to_the_set_point(tmp_path, positioner)
 @pytest.mark.parametrize('first', [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_recording_is_complete_and_said_to_be_partial(tmp_path, positioner, first):
     csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
-    with controller(dwell=100.0, record_csv=csv, record_bag=bag) as node:
+    # filling: what is left in a chamber that vents may be so little that it is read as kPa
+    with controller(levels=[0.4524e-3], dwell=100.0, record_csv=csv, record_bag=bag) as node:
         node.wait_for('playing')
         time.sleep(0.5)
         assert not csv.exists()
