@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import weakref
 
@@ -20,6 +21,7 @@ from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.parameters.file import read_parameter_file, write_parameter_file
 from booster_ros.programs import close_loop as program
+from booster_ros.programs.progress_bar import ProgressBar
 from booster_ros.records import CsvWriter
 
 COMMAND = (sys.executable, '-m', 'booster_ros', 'close_loop')
@@ -219,3 +221,9 @@ def test_a_terminal_that_lacks_a_sign_gets_another(tmp_path, declared, record, m
     sys.stdout.flush()
     assert status == 0
     assert printed.getvalue().startswith(b'12?345 Pa.')
+
+
+def test_a_bar_starts_no_thread_that_an_interruption_could_leave_waiting():
+    before = threading.active_count()
+    with ProgressBar(total=1.0, disable=None):
+        assert threading.active_count() == before

@@ -14,8 +14,6 @@ import shutil
 import sys
 from typing import Any
 
-from tqdm import tqdm
-
 from ..diagnosis.calibration import calibrated
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment import Experiment
@@ -33,6 +31,7 @@ from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
+from .progress_bar import ProgressBar
 
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
@@ -155,7 +154,7 @@ def _read(
 def _progress(check: Callable[[], None]) -> Iterator[Callable[[str, float], None]]:
     """Yield what checks and takes a phrase and the share done to a bar, silent unless watched."""
     form = '{percentage:3.0f}% |{bar}| {elapsed} {desc}'
-    with tqdm(total=1.0, bar_format=form, disable=None, leave=False) as bar:
+    with ProgressBar(total=1.0, bar_format=form, disable=None, leave=False) as bar:
         def tell(phrase: str, share: float) -> None:
             check()
             bar.set_description_str(phrase, refresh=False)

@@ -11,7 +11,6 @@ from pathlib import Path
 import sys
 
 import numpy as np
-from tqdm import tqdm
 
 from ..model.parameters import ParameterError, from_values
 from ..model.start import start_of_readings
@@ -21,6 +20,7 @@ from ..parameters.file import read_parameter_file
 from ..records import CsvWriter, RecordError, csv_columns, iterate_csv
 from ..records.holding import last_known
 from .compiling import announce_compilation
+from .progress_bar import ProgressBar
 
 INPUT = ('time', 'control_current')
 INITIAL = ('chamber_pressure', 'valve_position')
@@ -101,7 +101,7 @@ def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
 
 
 def _write(
-    time: np.ndarray, simulated: Future[dict[str, np.ndarray]], writer: CsvWriter, bar: tqdm
+    time: np.ndarray, simulated: Future[dict[str, np.ndarray]], writer: CsvWriter, bar: ProgressBar
 ) -> None:
     """Write a portion once it is simulated, its times as they were read."""
     seen = simulated.result() | {'time': time}
@@ -148,11 +148,11 @@ def _held(current: np.ndarray, standing: float) -> np.ndarray:
     return np.where(latest < 0, standing, current[latest])
 
 
-def _progress(source: Path) -> tqdm:
+def _progress(source: Path) -> ProgressBar:
     """Return a bar over the rows, silent where nobody looks at a terminal."""
     if not sys.stderr.isatty():
-        return tqdm(disable=True)
-    return tqdm(total=_count_lines(source) - 1, unit=' rows', unit_scale=True)
+        return ProgressBar(disable=True)
+    return ProgressBar(total=_count_lines(source) - 1, unit=' rows', unit_scale=True)
 
 
 def _count_lines(source: Path) -> int:
