@@ -25,6 +25,21 @@ from booster_ros.programs.progress_bar import ProgressBar
 from booster_ros.records import CsvWriter
 
 COMMAND = (sys.executable, '-m', 'booster_ros', 'close_loop')
+INTERRUPTED_AS_A_THREAD_STARTS = """
+import sys
+from threading import Event, Thread
+
+from booster_ros.programs.close_loop import main
+
+
+def interrupt(frame, event, _):
+    if frame.f_code is Event.wait.__code__ and frame.f_back.f_code is Thread.start.__code__:
+        raise KeyboardInterrupt
+
+
+sys.setprofile(interrupt)
+sys.exit(main(sys.argv[1:]))
+"""
 WRITTEN = {'report.html', 'report.json', 'positioner.yaml', 'positioner_before.yaml'}
 
 
@@ -165,6 +180,16 @@ def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared, 
     assert 'nothing was written' in said
     assert [path.name for path in out.iterdir()] == ['report.html']
     assert (out / 'report.html').read_text() == 'earlier'
+
+
+def test_an_interruption_as_a_thread_starts_ends_the_process(tmp_path, declared, record):
+    done = subprocess.run(
+        [sys.executable, '-c', INTERRUPTED_AS_A_THREAD_STARTS, '--record', record,
+         '--params', declared, '--out', tmp_path / 'out'],
+        capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 130, done.stderr
+    assert 'nothing was written' in done.stderr
+    assert not (tmp_path / 'out').exists()
 
 
 @pytest.mark.filterwarnings('ignore::pytest.PytestUnraisableExceptionWarning')

@@ -28,8 +28,6 @@ from booster_ros.model.system import Departure, PositionerParameters
 
 Array = np.ndarray
 
-_POOL = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
-
 DIFFERENCE = 2e-3
 VISIBLE, VISIBLE_THROUGH_SLIPS = 10.0, 100.0
 """
@@ -214,8 +212,11 @@ class Problem:
         silent = self._silent(z)
         columns = np.zeros((len(here), len(z)))
         told = [j for j in range(len(z)) if j not in silent]
-        for j, change in zip(told, _POOL.map(column, told)):
-            columns[:, j] = change
+        # A pool that outlived an interruption in the middle of starting a thread would keep the
+        # process from ending.
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            for j, change in zip(told, pool.map(column, told)):
+                columns[:, j] = change
         for j in silent:  # its prior is all that such a variable moves
             columns[len(here) + j - len(z), j] = 1.0 / START[j - len(self.freedoms)]
         return columns
