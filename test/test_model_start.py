@@ -3,7 +3,7 @@
 """A run that begins with readings of another one goes on as that one does."""
 
 import numpy as np
-from positioner_runs import PAPER_CURRENT, positioner, rows
+from positioner_runs import PAPER_CURRENT, current_for, positioner, rows
 import pytest
 
 from booster_ros.model.simulation import simulate
@@ -70,3 +70,51 @@ def test_readings_of_one_channel_or_none_will_do():
     assert start_of_readings(p, 0.0, PAPER_CURRENT, {})[0] == {}
     for name, value in (('chamber_pressure', 187654.0), ('valve_position', 0.0061)):
         assert start_of_readings(p, 0.0, PAPER_CURRENT, {name: value})[0] == {name: value}
+
+
+RIGID = {'actuator.coulomb_friction': 500.0, 'actuator.stiction': 200.0}
+YIELDING = RIGID | {'actuator.presliding_stiffness': 2e7}
+
+
+def rested(p, current, state):
+    """Return a second from this state on in which the current stands."""
+    time = rows(1.0)
+    return Stream(p, 0.0, current, state).advance(time, np.full_like(time, current))
+
+
+@pytest.mark.parametrize('values', [RIGID, YIELDING], ids=['rigid', 'yielding'])
+@pytest.mark.parametrize('side', [1.0, -1.0], ids=['upwards', 'downwards'])
+def test_noise_in_its_readings_does_not_tear_a_stem_loose(values, side):
+    """In the reading the friction is exceeded by what 200 Pa and 8 µm are worth."""
+    p = positioner(values)
+    act = p.actuator
+    stiffness = act.effective_area * (act.bench_set[1] - act.bench_set[0]) / act.travel
+    position = 0.008
+    balance = act.bench_set[0] + position * stiffness / act.effective_area
+    pressure = balance + side * (act.coulomb_friction + act.stiction) / act.effective_area
+    readings = {
+        'chamber_pressure': pressure + side * 200.0, 'valve_position': position - side * 8e-6}
+    current = float(current_for(pressure))
+    state = start_of_readings(p, 0.0, current, readings)[0]
+    assert np.ptp(rested(p, current, state)['valve_position']) < 10e-6
+    assert np.ptp(rested(p, current, readings)['valve_position']) > 40e-6  # it does matter
+    assert abs(state['valve_position'] - position) < 30e-6
+
+
+def test_a_stem_far_from_where_friction_holds_it_moves():
+    readings = {'chamber_pressure': 187654.0, 'valve_position': 0.0061}  # 2 mm too far
+    assert start_of_readings(positioner(RIGID), 0.0, PAPER_CURRENT, readings)[0] == readings
+
+
+@pytest.mark.parametrize(('pressure', 'stop'), [(80e3, 0.0), (330e3, 0.016)])
+@pytest.mark.parametrize('noise', [25e-6, -25e-6])
+def test_a_stem_pressed_against_a_stop_stays_there(pressure, stop, noise):
+    """As read it would be pushed out of the stop, or fall into it, and move the air."""
+    p, current = positioner(), float(current_for(pressure))
+    readings = {'chamber_pressure': pressure, 'valve_position': stop + noise}
+
+    def moved(state):
+        return np.abs(rested(p, current, state)['chamber_pressure'] - pressure).max()
+
+    assert moved(start_of_readings(p, 0.0, current, readings)[0]) < 30.0
+    assert moved(readings) > 100.0

@@ -9,13 +9,24 @@ has hysteresis: what they leave open is taken so that nothing moves, or as littl
 
 from collections.abc import Callable, Mapping
 
-from .actuator import balance_position
+from .actuator import balance_position, has_dry_friction
 from .sensors import position_behind, pressure_behind
 from .stream import settled_state
-from .system import CHAMBER, STATES, Departure, PositionerParameters, derivatives, start_current
+from .system import (
+    CHAMBER,
+    STATES,
+    Departure,
+    PositionerParameters,
+    breakaway_excess,
+    derivatives,
+    start_current,
+)
 
 BISECTIONS = 30
 """Halvings of a play in search of a place in it: to a billionth of its width."""
+
+UNSURE = 0.01
+"""Share of the travel by which readings of pressure and position may miss the stem's balance."""
 
 
 def start_of_readings(
@@ -30,7 +41,9 @@ def start_of_readings(
     1. Bias and span error of the sensors are taken off.
     2. Of all positions in which a linkage with play may show this reading the stem has that nearest
        to where spring and pressure balance.
-    3. In its hysteresis the E/P converter has the place nearest to the middle at which the chamber
+    3. A stem that friction or an end stop would hold but for what such readings are unsure of
+       (`UNSURE`) is held: it has the nearest position at which they do. One further off moves.
+    4. In its hysteresis the E/P converter has the place nearest to the middle at which the chamber
        neither fills nor empties: after a rise of the current it is at the lower end.
     """
     sensors = p.sensors
@@ -46,9 +59,31 @@ def start_of_readings(
             balance = balance_position(p.actuator, pressure)
             stem = state['valve_position'] = min(max(balance, shown - half), shown + half)
             position_play = (shown - stem) / half
+        if 'valve_position' in state:
+            state['valve_position'] = _held_position(p, time, current, state)
         if p.ep_converter.hysteresis > 0.0:
             ep_play = _place_at_rest(_filling(p, time, current, state))
     return state, Departure(ep_play=ep_play, position_play=position_play)
+
+
+def _held_position(
+    p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
+) -> float:
+    """Return the position, m, at which the stem is held, as read where no such one is near."""
+    pressure, read = state['chamber_pressure'], state['valve_position']
+    balance, near = balance_position(p.actuator, pressure), UNSURE * p.actuator.travel
+    if has_dry_friction(p.actuator):
+        seen = start_current(p, current, Departure())
+
+        def breaks_away(position: float) -> bool:
+            y = settled_state(p, seen, pressure, position, time)
+            return breakaway_excess(p, time, seen, y) > 0.0
+
+        rests = min(max(balance, read - near), read + near)
+        held = breaks_away(read) and not breaks_away(rests)
+        return _nearest(breaks_away, read, rests) if held else read
+    at_stop = not 0.0 < balance < p.actuator.travel
+    return balance if at_stop and abs(balance - read) <= near else read
 
 
 def _filling(p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
@@ -73,12 +108,17 @@ def _place_at_rest(filling: Callable[[float], float]) -> float:
     middle = filling(0.0)
     if middle == 0.0:
         return 0.0
-    moves, rests = 0.0, -1.0 if middle > 0.0 else 1.0
+    rests = -1.0 if middle > 0.0 else 1.0
     if filling(rests) * middle > 0.0:
         return rests
+    return _nearest(lambda place: filling(place) * middle > 0.0, 0.0, rests)
+
+
+def _nearest(moving: Callable[[float], bool], moves: float, rests: float) -> float:
+    """Return the place nearest to `moves`, towards `rests`, that is not moving."""
     for _ in range(BISECTIONS):
         half = 0.5 * (moves + rests)
-        if filling(half) * middle > 0.0:
+        if moving(half):
             moves = half
         else:
             rests = half
