@@ -13,6 +13,7 @@ from ros_process import RosProcess, program
 from booster_ros.paper.comparison import comparison
 from booster_ros.paper.indices import StepIndices
 from booster_ros.paper.printed import table_3
+from booster_ros.programs import demo
 
 
 def test_the_table_shows_the_paper_and_every_step():
@@ -38,12 +39,12 @@ def processes_with(mark: str) -> list[Path]:
 def test_an_interrupted_demo_ends_both_nodes(tmp_path):
     mark = f'DEMO_UNDER_TEST={tmp_path}'
     environment = dict(os.environ, DEMO_UNDER_TEST=str(tmp_path))
-    with RosProcess(program('demo', '--out', str(tmp_path)), environment) as demo:
-        demo.wait_for('playing')
+    with RosProcess(program('demo', '--out', str(tmp_path)), environment) as running:
+        running.wait_for('playing')
         assert len(processes_with(mark)) == 3
-        assert demo.interrupt() == 130, demo.output
+        assert running.interrupt() == 130, running.output
         assert processes_with(mark) == []
-    assert 'Traceback' not in demo.output
+    assert 'Traceback' not in running.output
     assert 'Traceback' not in (tmp_path / 'positioner.log').read_text()
 
 
@@ -74,8 +75,18 @@ def test_an_interruption_that_comes_to_another_thread_ends_the_wait():
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / 'file').touch()
-    with RosProcess(program('demo', '--out', str(tmp_path / 'file' / 'out'))) as demo:
-        assert demo.wait() == 2
-    assert demo.stdout == []
-    (complaint,) = demo.stderr
+    with RosProcess(program('demo', '--out', str(tmp_path / 'file' / 'out'))) as running:
+        assert running.wait() == 2
+    assert running.stdout == []
+    (complaint,) = running.stderr
     assert str(tmp_path / 'file') in complaint
+
+
+def test_where_no_domain_is_left_it_says_so(tmp_path, monkeypatch, capsys):
+    def none_left():
+        raise RuntimeError('no ROS domain is free')
+
+    monkeypatch.delenv('ROS_DOMAIN_ID')
+    monkeypatch.setattr(demo, 'claim_domain', none_left)
+    assert demo.main(['--out', str(tmp_path)]) == 2
+    assert capsys.readouterr().err == 'demo: no ROS domain is free\n'

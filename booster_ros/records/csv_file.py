@@ -173,7 +173,8 @@ class CsvWriter:
         """Remove what was written."""
         with suppress(OSError):  # a full disk takes not even the last of it
             self._file.close()
-        self._partial.unlink(missing_ok=True)
+        with suppress(OSError):  # what went wrong before is worth more than that this did too
+            self._partial.unlink(missing_ok=True)
 
     def __enter__(self) -> 'CsvWriter':
         """Return the writer."""
