@@ -17,6 +17,7 @@ from booster_ros.diagnosis.candidate import Candidate
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Fit
 from booster_ros.diagnosis.freedom import Free
+from booster_ros.diagnosis.friction_start import best_friction
 from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, carried
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
@@ -101,7 +102,8 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     """
     Return z with what lies above a stem that sticks as fitted there.
 
-    Of the stem itself viscous friction had imitated the other kind: it is as declared.
+    Of the stem itself viscous friction had imitated the other kind: it is as declared, and that
+    other kind is sought anew.
     """
     upper = fitted_above(search, candidate, roles)
     if upper is None:
@@ -110,7 +112,8 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     for j, free in enumerate(candidate.problem.freedoms):
         if free.knob.parameter == _IMITATES:
             place[j] = 0.0
-    return place
+    thin = search.on(candidate.problem, roles, search.thinning)
+    return min(place, best_friction(thin, place), key=lambda z: float(np.sum(thin.means(z)**2)))
 
 
 def seen_from_above(search: Search, candidate: Candidate) -> Candidate:

@@ -22,6 +22,7 @@ from booster_ros.diagnosis.candidate import (
     NEAR_NOISE, WORTH_ADDING, WORTH_EXPLAINING, Candidate, preferred_first)
 from booster_ros.diagnosis.cascade import search_above, shows_above_the_stem
 from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.friction_start import best_friction
 from booster_ros.diagnosis.screening import Screened, references, screen, strong_frequencies
 from booster_ros.diagnosis.search import EVALUATIONS, Search, carried, polished
 from booster_ros.model.actuator import has_dry_friction
@@ -46,6 +47,12 @@ AS_GOOD_ABOVE = 1.1
 """
 Above a stem that sticks, an effect that costs so much more than the best is not tried in the whole:
 up there nothing blurs which it is.
+"""
+
+STILL_FAR = 2.0
+"""
+Mean square misfit from which friction that was fitted while the effect was missing is not only
+carried on, but also sought anew.
 """
 
 FEWEST = 3
@@ -167,6 +174,9 @@ def _first_steps_in_parts(search: Search, parent: Candidate, names: list[str], a
             start = carried(joint, parent.fit, part.fit)
             begun.append(_Begun(part.effect, joint, joint.fit(
                 start, evaluations=FIRST_EVALUATIONS), part.confirmed))
+            if begun[-1].fit.cost > STILL_FAR * joint.rows_counted():
+                begun.append(replace(begun[-1], fit=joint.fit_through_slips(
+                    best_friction(joint, start), evaluations=FIRST_EVALUATIONS)))
         tick()
     lower = [n for n in names if not shows_above_the_stem(n)]
     worth = min(worth, (1.0 - WORTH_ADDING) * parent.fit.cost)

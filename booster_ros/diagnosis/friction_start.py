@@ -1,0 +1,73 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where a fit of a stem that sticks may begin: the friction with which the means over slips fit best.
+
+Which slip comes when makes the cost of a fit rough, and a fit from friction that is far off ends in
+the next hollow. Friction that was fitted while something above the stem was missing is far off. So
+sliding friction and stiction are tried over their range, first widely, then closely around the
+best, for a packing that yields and for one that does not; a trial is one run.
+"""
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+import itertools
+import os
+
+import numpy as np
+
+from booster_ros.diagnosis.fit import Problem
+
+Array = np.ndarray
+
+SLIDING = (75.0, 110.0, 150.0, 220.0, 300.0, 400.0, 550.0, 750.0, 1000.0, 1400.0)
+"""Sliding friction that is tried, N."""
+
+BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
+"""Stiction that is tried with each, as a share of it."""
+
+HOLLOWS = 5
+CLOSER = ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
+"""
+Then, around so many of the best: steps of the sliding friction, as a share of it, and of the share
+that breaks away.
+"""
+
+_Trial = tuple[float, float, bool]
+
+
+def best_friction(problem: Problem, z: Array) -> Array:
+    """
+    Return z with the friction whose means fit best, beside everything else as it is.
+
+    And with the start as given: it had bent itself to the friction that was.
+    """
+    low, high = problem.bounds()
+
+    def placed(trial: _Trial) -> Array:
+        sliding, share, yields = trial
+        values = {'actuator.coulomb_friction': sliding, 'actuator.stiction': share * sliding}
+        moved = z.copy()
+        moved[len(problem.freedoms):] = 0.0
+        for j, free in enumerate(problem.freedoms):
+            name = free.knob.parameter
+            if name in values:
+                moved[j] = free.variable(values[name])
+            elif name == 'actuator.presliding_stiffness':
+                moved[j] = free.variable(free.knob.typical if yields else 0.0)
+            elif name == 'actuator.stribeck_velocity':
+                moved[j] = free.variable(free.knob.typical)
+        return np.clip(moved, low, high)
+
+    def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
+        several = list(trials)
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            left = pool.map(lambda trial: float(np.sum(problem.means(placed(trial))**2)), several)
+            return sorted(zip(left, several))
+
+    hollows = tried(itertools.product(SLIDING, BREAKING_AWAY, (False, True)))[:HOLLOWS]
+    for step, more in CLOSER:
+        hollows = [tried((sliding * (1.0 + step * j), max(share + more * k, 0.0), yields)
+                         for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))[0]
+                   for _, (sliding, share, yields) in hollows]
+    return placed(min(hollows)[1])
