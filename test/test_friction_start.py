@@ -76,3 +76,10 @@ def test_of_friction_along_the_travel_the_gradient_stays():
     moved = best_friction(problem, z)
     assert moved[names.index('actuator.friction_gradient')] == 0.4
     assert moved[names.index('actuator.coulomb_friction')] != z[0]
+
+
+def test_where_no_friction_is_free_nothing_is_tried(monkeypatch):
+    problem = problem_of(RIGID, 'chamber_leak')
+    monkeypatch.setattr(Problem, 'means', None)
+    z = problem.start() + 0.1
+    assert best_friction(problem, z) is z

@@ -40,8 +40,11 @@ def best_friction(problem: Problem, z: Array) -> Array:
     """
     Return z with the friction whose means fit best, beside everything else as it is.
 
-    And with the start as given: it had bent itself to the friction that was.
+    And with the start as given: it had bent itself to the friction that was. z itself where no
+    friction is free.
     """
+    if all(free.knob.parameter != 'actuator.coulomb_friction' for free in problem.freedoms):
+        return z
     low, high = problem.bounds()
 
     def placed(trial: _Trial) -> Array:
