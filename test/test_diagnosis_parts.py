@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.candidate import NEAR_NOISE
-from booster_ros.diagnosis.cascade import (
-    above_the_stem, as_seen_above, shows_above_the_stem, sought_anew)
+from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Problem
@@ -379,17 +378,14 @@ def test_what_lies_above_a_stem_that_sticks_is_taken_from_there():
     p = bent.problem.parameters(z)
     assert abs(p.ep_converter.offset) < 500.0
     assert p.actuator.leak_area == pytest.approx(4e-8, rel=0.1)
-    # of the stem itself only viscous friction goes back, which may have stood in for the other kind
+    # of the stem itself viscous friction goes back, which may have stood in for the other kind
     assert p.actuator.viscous_friction == pytest.approx(P.actuator.viscous_friction)
-    assert p.actuator.coulomb_friction == pytest.approx(400.0)
-    assert p.actuator.stiction == pytest.approx(100.0)
-    elsewhere = standing_at(search, bent.effects, {
-        **RUBBING, 'actuator.coulomb_friction': 350.0}).fit.z
-    p = bent.problem.parameters(as_seen_above(search, bent, elsewhere, ('fit',)))
-    assert p.actuator.coulomb_friction == pytest.approx(350.0)
-    p = bent.problem.parameters(sought_anew(search, bent, elsewhere, ('fit',)))
     assert p.actuator.coulomb_friction == pytest.approx(400.0, rel=0.03)
-    assert p.actuator.leak_area == pytest.approx(4e-8, rel=0.1)
+    assert p.actuator.stiction == pytest.approx(100.0, rel=0.2)
+    elsewhere = standing_at(search, bent.effects, {
+        **RUBBING, 'actuator.coulomb_friction': 250.0}).fit.z
+    p = bent.problem.parameters(as_seen_above(search, bent, elsewhere, ('fit',)))
+    assert p.actuator.coulomb_friction == pytest.approx(400.0, rel=0.03)
     smooth = standing_at(search, ('chamber_leak',), {'ep_converter.offset': 5e3})
     assert (as_seen_above(search, smooth, smooth.fit.z, ('fit',)) == smooth.fit.z).all()
 

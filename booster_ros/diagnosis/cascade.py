@@ -102,7 +102,8 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     """
     Return z with what lies above a stem that sticks as fitted there.
 
-    Of the stem itself viscous friction had imitated the other kind: it is as declared.
+    Of the stem itself viscous friction had imitated the other kind: it is as declared, and that
+    other kind is sought anew.
     """
     upper = fitted_above(search, candidate, roles)
     if upper is None:
@@ -111,20 +112,14 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     for j, free in enumerate(candidate.problem.freedoms):
         if free.knob.parameter == _IMITATES:
             place[j] = 0.0
-    return place
-
-
-def sought_anew(search: Search, candidate: Candidate, z: Array, roles: tuple[str, ...]) -> Array:
-    """Return z as seen above a stem that sticks, beside it the friction that suits that best."""
-    place = as_seen_above(search, candidate, z, roles)
     thin = search.on(candidate.problem, roles, search.thinning)
-    return min(place, best_friction(thin, place), key=lambda at: float(np.sum(thin.means(at)**2)))
+    return min(place, best_friction(thin, place), key=lambda z: float(np.sum(thin.means(z)**2)))
 
 
 def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
     """Return the model of a stem that sticks, fitted on from what is seen above the stem."""
     problem = candidate.problem
-    start = sought_anew(search, candidate, candidate.fit.z, ('fit',))
+    start = as_seen_above(search, candidate, candidate.fit.z, ('fit',))
     fit = problem.fit_through_slips(start, EVALUATIONS)
     if fit.cost >= candidate.fit.cost:
         return candidate

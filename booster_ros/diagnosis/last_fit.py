@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import NEAR_NOISE, WORTH_ADDING, Candidate
-from booster_ros.diagnosis.cascade import sought_anew
+from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.intervals import (
@@ -100,15 +100,15 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> Fi
     """
     Return the fit; where it leaves more than noise, the better of it and one through the slips.
 
-    That begins with what is seen above the stem and friction sought anew beside it. Which of the
-    two ends says more of the friction shows in their means: single slips are chance.
+    That begins with what is seen above the stem. Which of the two ends says more of the friction
+    shows in their means: single slips are chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
     if enough or not candidate.effects or _unnamed(candidate):
         return fit
-    anew = sought_anew(search, candidate, fit.z, USED)
-    again = problem.fit_through_slips(anew, EVALUATIONS)
+    above = as_seen_above(search, candidate, fit.z, USED)
+    again = problem.fit_through_slips(above, EVALUATIONS)
     return min(fit, again, key=lambda found: float(np.sum(problem.means(found.z)**2)))
 
 
