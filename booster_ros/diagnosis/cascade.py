@@ -113,7 +113,7 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
         if free.knob.parameter == _IMITATES:
             place[j] = 0.0
     thin = search.on(candidate.problem, roles, search.thinning)
-    return min(place, best_friction(thin, place), key=lambda z: float(np.sum(thin.means(z)**2)))
+    return min(place, best_friction(thin, place), key=thin.cost_of_means)
 
 
 def seen_from_above(search: Search, candidate: Candidate) -> Candidate:

@@ -153,6 +153,10 @@ class Problem:
             np.bincount(slips.window, scaled) / np.sqrt(slips.count)
             for slips, scaled in zip(self.slips, self._scaled(z))])
 
+    def cost_of_means(self, z: Array) -> float:
+        """Return the sum of squares of `means`: what is missed but for single slips."""
+        return float(np.sum(self.means(z)**2))
+
     @cached_property
     def counted(self) -> dict[str, Array]:
         """The rows of each channel that count, as a mask of shape (n,): marked, with a value."""

@@ -65,7 +65,7 @@ def best_friction(problem: Problem, z: Array) -> Array:
     def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
         several = list(trials)
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            left = pool.map(lambda trial: float(np.sum(problem.means(placed(trial))**2)), several)
+            left = pool.map(lambda trial: problem.cost_of_means(placed(trial)), several)
             return sorted(zip(left, several))
 
     hollows = tried(itertools.product(SLIDING, BREAKING_AWAY, (False, True)))[:HOLLOWS]

@@ -109,7 +109,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> Fi
         return fit
     above = as_seen_above(search, candidate, fit.z, USED)
     again = problem.fit_through_slips(above, EVALUATIONS)
-    return min(fit, again, key=lambda found: float(np.sum(problem.means(found.z)**2)))
+    return min(fit, again, key=lambda found: problem.cost_of_means(found.z))
 
 
 def _unnamed(candidate: Candidate) -> bool:
