@@ -200,6 +200,22 @@ def test_a_name_of_a_file_cannot_break_the_page():
     assert '<b>&"$x.csv explained by p$.yaml' in Page(text).texts
 
 
+def test_what_an_effect_leaves_above_the_noise_is_said_and_only_that():
+    diagnosis = friction_found()
+
+    def said(share):
+        errors = {name: replace(error, after=error.noise) for name, error in
+                  diagnosis.held_out.items()}
+        pressure = errors['chamber_pressure']
+        errors['chamber_pressure'] = replace(pressure, after=share * pressure.noise)
+        return [one for one in verdict_sentences(replace(diagnosis, held_out=errors))
+                if 'not explained' in one]
+
+    assert said(1.2) == []
+    assert said(4.0) == [
+        'It leaves 4.0 times the noise in chamber pressure: that is not explained.']
+
+
 def test_none_short_of_the_noise_does_not_claim_that_the_model_is_enough():
     diagnosis = nothing_found()
     worse = {name: replace(error, before=3.0 * error.noise, after=3.0 * error.noise)

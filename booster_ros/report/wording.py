@@ -93,13 +93,13 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
         return _sentences_on_none(diagnosis)
     if diagnosis.verdict == 'unknown':
         sentences = [_sentence_on_unknown(diagnosis.unknown)] if diagnosis.unknown else []
-        return [*sentences, _gain(diagnosis), *unknown_rivals(diagnosis)]
+        return [*sentences, _gain(diagnosis), *_rest(diagnosis), *unknown_rivals(diagnosis)]
     sentences = []
     for effect in diagnosis.effects:
         meaning = EFFECTS[effect.name].meaning
         sentences.append(
             f'{capital(meaning)}. Its place is {place_label(effect.location)}.')
-    sentences.append(_gain(diagnosis))
+    sentences += [_gain(diagnosis), *_rest(diagnosis)]
     for effect in diagnosis.effects:
         if effect.confused_with:
             rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
@@ -158,6 +158,13 @@ def _gain(diagnosis: Diagnosis) -> str:
     falls = all(e.after < e.before for e in judged(diagnosis).values())
     verb = 'falls' if falls else 'goes'
     return f'With it the error {verb} in {listing(parts)}, {_where(diagnosis)}.'
+
+
+def _rest(diagnosis: Diagnosis) -> list[str]:
+    """Return a sentence on the channels in which more than noise is left, if there are any."""
+    left = [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
+            for name, e in judged(diagnosis).items() if e.after > NEAR_NOISE * e.noise]
+    return [f'It leaves {listing(left)}: that is not explained.'] if left else []
 
 
 def _calibration(found: FalseAdd) -> str:
