@@ -176,6 +176,17 @@ def test_a_locked_part_that_speaks_against_the_choice_is_said():
     assert sentences[0].startswith('on the locked part')
 
 
+def test_a_locked_part_that_lacks_as_much_as_before_is_said():
+    missed = ChannelError('Pa', 1600.0, 1290.0, 1280.0, 150.0)
+    noise = ChannelError('m', 9e-6, 8e-6, 8e-6, 8e-6)
+    sentence, = doubts({'chamber_pressure': missed, 'valve_position': noise}, 'the locked part')
+    assert 'the locked part lacks as much' in sentence
+
+    gone = replace(missed, after=900.0)
+    assert doubts({'chamber_pressure': gone, 'valve_position': noise}, 'the locked part') == ()
+    assert doubts({'valve_position': noise}, 'the locked part') == ()
+
+
 def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error():
     found = unknown_found()
     within = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)

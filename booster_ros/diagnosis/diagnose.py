@@ -41,6 +41,10 @@ in the inside of the range comes near its ends and does not touch them."""
 WORSE = 1.05
 """Held-out error after, relative to before, from which a note warns."""
 
+SHORT_OF_NOISE, CONFIRMED = 1.3, 0.9
+"""Held-out error before, relative to noise, from which something is missing, and after, relative to
+before, up to which what was added has a share in that."""
+
 
 def diagnose(
     experiment: Experiment, declared: PositionerParameters, progress: Progress | None = None,
@@ -132,17 +136,26 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         verdict, effects, table, _errors(experiment, runs, rows), held_out, tuple(suspects),
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
-        (*notes, *doubts(held_out, 'the locked part'), *_cornered(refitted),
+        (*notes, *(doubts(held_out, 'the locked part') if verdict != 'none' else ()),
+         *_cornered(refitted),
          *known_together(effects, last),
          *chance(experiment, after.parameters, after.initial, 'this record')))
 
 
 def doubts(errors: dict[str, ChannelError], part: str) -> tuple[str, ...]:
-    """Return a sentence for each channel in which a part not fitted speaks against the choice."""
-    return tuple(
+    """
+    Return a sentence for each channel in which a part not fitted speaks against the choice.
+
+    Or one where more than noise was missing there and none of it is gone.
+    """
+    rises = tuple(
         f'on {part} the error of {name} rises from {error.before:.3g} to '
         f'{error.after:.3g} {error.unit} with what was added: trust it less'
         for name, error in errors.items() if error.after > WORSE * max(error.before, error.noise))
+    missing = [error for error in errors.values() if error.before > SHORT_OF_NOISE * error.noise]
+    if rises or not missing or any(error.after < CONFIRMED * error.before for error in missing):
+        return rises
+    return (f'{part} lacks as much with what was added as without it: it does not confirm it',)
 
 
 def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ def validated(
     for name, measured in experiment.measured.items():
         declared, before, after = (rmse(measured, run[name], everywhere) for run in runs)
         errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
-    added = doubts(errors, 'the other record')
+    added = doubts(errors, 'the other record') if diagnosis.verdict != 'none' else ()
     return replace(diagnosis, validation=errors, notes=(
         *diagnosis.notes, *(f'the other record: {note}' for note in notes), *added,
         *_beyond(diagnosis, experiment, starts[-1]), *_in_another_phase(diagnosis),
