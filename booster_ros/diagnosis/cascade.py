@@ -72,14 +72,17 @@ def free_above_the_stem(freedoms: tuple[Free, ...]) -> tuple[Free, ...]:
                  or free.knob.parameter.split('.')[0] in _PLACES)
 
 
-def search_above(search: Search, fit: Fit) -> Search | None:
-    """Return the search above the stem where friction rules the stem, else None."""
-    if not has_dry_friction(fit.parameters.actuator):
-        return None
+def search_above(search: Search) -> Search | None:
+    """Return the search above the stem, None where the record does not show that part alone."""
     above = above_the_stem(search.experiment)
     return None if above is None else replace(
         search, experiment=above, freedoms=free_above_the_stem(search.freedoms),
         thinning=THINNING)
+
+
+def search_above_friction(search: Search, fit: Fit) -> Search | None:
+    """Return the search above the stem where friction rules the stem, else None."""
+    return search_above(search) if has_dry_friction(fit.parameters.actuator) else None
 
 
 def fitted_above(search: Search, candidate: Candidate, roles: tuple[str, ...]) -> Candidate | None:
@@ -89,7 +92,7 @@ def fitted_above(search: Search, candidate: Candidate, roles: tuple[str, ...]) -
     What was fitted before friction was in the model had imitated it, and a fit of all at once
     stays there: which slip comes when makes its cost rough. Above the stem nothing is rough.
     """
-    above = search_above(search, candidate.fit)
+    above = search_above_friction(search, candidate.fit)
     if above is None:
         return None
     effects = tuple(e for e in candidate.effects if shows_above_the_stem(e))

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
+from booster_ros.diagnosis.birthplace import where_born
 from booster_ros.diagnosis.candidate import Candidate, gain, told_apart
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit
@@ -65,7 +66,9 @@ def diagnose(
     search = Search(experiment, segments, declared, free_to_refit(declared, experiment),
                     applicable(experiment, declared))
     tell('refitting the declared parameters', 0.02)
-    tried, unnamed = _sought(search, tell)
+    refit = search.refit()
+    search = where_born(search, refit)
+    tried, unnamed = _sought(search, refit, tell)
     tell('final fit and intervals', 0.92)
     result = _conclude(search, tried, unnamed, notes)
     tell('done', 1.0)
@@ -81,9 +84,9 @@ def _check_parts(experiment: Experiment, segments: list[Segment]) -> None:
                 f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
 
 
-def _sought(search: Search, tell: Progress) -> tuple[Tried, list[Candidate]]:
+def _sought(search: Search, refit: Candidate, tell: Progress) -> tuple[Tried, list[Candidate]]:
     """Return the models with named effects, and the terms without a name that compete with them."""
-    first = named(search, tell)
+    first = named(search, refit, tell)
     tell('looking for a discrepancy without a name', 0.65)
     unnamed = best_terms(search, first)
     if beyond_names(unnamed, first):

@@ -163,8 +163,8 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     experiment, thin = search.experiment, refit.problem
     still = np.ptp(experiment.current) == 0.0 and all(
         np.ptp(drive) == 0.0 for drive in experiment.pinned.values())
-    likely = [one for one in terms(experiment.channels)
-              if not (foreseen and still and one.variable == term.TIME)]
+    likely = [one for one in terms(experiment.channels) if one.place in search.places
+              and not (foreseen and still and one.variable == term.TIME)]
     seen, _ = search.rows_and_experiment(USED, search.thinning)
     reference = thin.at(refit.fit.z)
     reached = [(*linear_reach(thin, reference, one, seen), one.label) for one in likely]

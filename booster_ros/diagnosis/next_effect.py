@@ -20,7 +20,7 @@ import numpy as np
 
 from booster_ros.diagnosis.candidate import (
     NEAR_NOISE, WORTH_ADDING, WORTH_EXPLAINING, Candidate, preferred_first)
-from booster_ros.diagnosis.cascade import search_above, shows_above_the_stem
+from booster_ros.diagnosis.cascade import search_above_friction, shows_above_the_stem
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.friction_start import best_friction
 from booster_ros.diagnosis.screening import Screened, references, screen, strong_frequencies
@@ -82,7 +82,7 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
     """
     names = [name for name in search.names if name not in (*parent.effects, *leave_out) and
              not redundant(name, parent.effects)]
-    above = search_above(search, parent.fit)
+    above = search_above_friction(search, parent.fit)
     if above is None:
         begun = _first_steps(parent.problem, parent.fit, names, tick, worth)
     else:

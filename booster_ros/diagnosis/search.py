@@ -24,6 +24,9 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
+PLACES = frozenset(effect.location for effect in EFFECTS.values())
+"""Wherever something can be missing."""
+
 EVALUATIONS, LAST_EVALUATIONS = 10, 30
 """Steps of one fit, and of one that is to go to its very end."""
 
@@ -47,8 +50,9 @@ class Search:
     """
     The task: experiment, segments, declared parameters and their freedom.
 
-    `names` are the effects to try, `thinning` how many rows a fit takes one of. What the methods
-    return is scaled: residuals in standard deviations of the noise, costs in squares of that.
+    `names` are the effects to try, `places` where a term without a name is tried, `thinning` how
+    many rows a fit takes one of. What the methods return is scaled: residuals in standard
+    deviations of the noise, costs in squares of that.
     """
 
     experiment: Experiment
@@ -56,6 +60,7 @@ class Search:
     declared: PositionerParameters
     freedoms: tuple[Free, ...]
     names: tuple[str, ...] = tuple(EFFECTS)
+    places: frozenset[str] = PLACES
     thinning: int = THINNING
 
     def rows_and_experiment(self, roles: tuple[str, ...], factor: int) -> tuple[Array, Experiment]:

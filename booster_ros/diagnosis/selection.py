@@ -6,7 +6,8 @@ The search for what the model lacks: which named effects a record calls for.
 Model: the declared model with its parameters refitted within their priors, plus at most three
 named effects, two where the stem sticks. Numbered as carried out:
 
-1. refit the declared parameters on the fit segments;
+1. refit the declared parameters on the fit segments; where the part above the stem then lacks
+   nothing beside the whole, only what belongs to the stem or a sensor is tried (see birthplace);
 2. screen every effect in the catalogue with the declared parameters reacting (see screening);
 3. fit the most promising jointly with the declared parameters, on the fit segments, thinned (see
    next_effect);
@@ -16,10 +17,11 @@ named effects, two where the stem sticks. Numbered as carried out:
 5. keep the best and go on from 2 for a second and a third effect while the score falls by more
    than one standard error (paired, over segments), by a share that matters, and by 30 % of
    what noise does not explain; where the stem sticks, what lies above it is sought with the stem
-   driven as measured (see cascade). Where noise could be all from the start, an effect must lower
-   the cost of the fit clearly as well. What an effect leaves on thinned rows must be left on every
-   row before a next one is looked for. Where no effect is called for, models that leave noise on
-   the fit segments learn from the select segments what those alone show, and count with that;
+   driven as measured (see cascade). Where noise could be all, from the start or beside what was
+   found, an effect must lower the cost of the fit clearly as well. What an effect leaves on
+   thinned rows must be left on every row before a next one is looked for. Where no effect is
+   called for, models that leave noise on the fit segments learn from the select segments what
+   those alone show, and count with that;
 6. try every other effect in the place of each of several, then leave each out again; not where a
    term without a name leaves far less than all of them together (see nameless);
 7. models near the choice are fitted to every row and compared once more (see rematch).
@@ -88,15 +90,14 @@ class Tried:
         return min(same, key=lambda one: (one.learnt, one.score))
 
 
-def named(search: Search, tell: Progress) -> Tried:
-    """Carry out steps 1 to 5 of the search: effects are added."""
-    refit = search.refit()
+def named(search: Search, refit: Candidate, tell: Progress) -> Tried:
+    """Carry out steps 2 to 5 of the search: effects are added to the declared model refitted."""
     everything = [refit]
     noise = refit if _explained(refit, refit) else _taught(search, refit)
     if noise is None:
         chosen = _added(search, refit, everything, tell)
     else:
-        chosen = _faint(search, refit, noise, everything, tell)
+        chosen = _faint(search, refit, noise, 0, everything, tell)
     return _tried(refit, chosen, everything)
 
 
@@ -129,6 +130,9 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
         if level >= _most(chosen):
             break
         if level > 0:
+            if _explained(chosen, refit):
+                return chosen if has_dry_friction(chosen.fit.parameters.actuator) else _faint(
+                    search, chosen, chosen, level, everything, tell)
             sharp = _sharpened(search, chosen, refit, everything)
             chosen, parent = sharp, sharp if parent is chosen else parent
             if _explained(chosen, refit):
@@ -139,14 +143,16 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
                 return taught
         ranked = _round(search, parent, level, tell)
         everything += ranked
-        if ranked and not _adds(ranked[0], chosen, refit):
+        adding = _adding(ranked, chosen, refit)
+        if not adding:
             ranked = _all_taught(search, ranked, everything)
-        if ranked and _adds(ranked[0], chosen, refit):
-            chosen = ranked[0]
+            adding = _adding(ranked, chosen, refit)
+        if adding:
+            chosen = adding[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
             break
         # of two effects either alone may look like none, or be at a bound: what explains most leads
-        parent = chosen if chosen is ranked[0] else min(ranked, key=lambda c: c.score)
+        parent = chosen if adding else min(ranked, key=lambda c: c.score)
     return chosen
 
 
@@ -159,7 +165,7 @@ def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: 
     say, and hardly save time beside another round. Where the stem sticks, from what is seen above
     it.
     """
-    if not chosen.effects or _explained(chosen, refit):
+    if not chosen.effects:
         return chosen
     if has_dry_friction(chosen.fit.parameters.actuator):
         sharp = seen_from_above(search, chosen)
@@ -171,21 +177,22 @@ def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: 
     return sharp
 
 
-def _faint(search: Search, refit: Candidate, noise: Candidate, everything: list[Candidate],
-           tell: Progress) -> Candidate:
+def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
+           everything: list[Candidate], tell: Progress) -> Candidate:
     """
-    Return the model with an effect that shows clearly though all could be noise, else `noise`.
+    Return `found` with an effect more that shows clearly though all could be noise, else `noise`.
 
     The level of the noise is known to some percent only; what follows an effect's own trace in
     segments it was fitted to, and in those it was not, is seen through it.
     """
-    ranked = _round(search, refit, 0, tell, worth=refit.fit.cost - SURE)
+    worth = found.fit.cost - SURE
+    ranked = _round(search, found, level, tell, worth=worth)
     everything += ranked
-    shown = [one for one in ranked if not one.fault and clearly_better(one, refit)
-             and one.fit.cost < refit.fit.cost - SURE]
+    shown = [one for one in ranked
+             if not one.fault and clearly_better(one, found) and one.fit.cost < worth]
     if shown:
         return shown[0]
-    if noise is not refit:
+    if noise is not found:
         everything.append(noise)
     return noise
 
@@ -258,6 +265,15 @@ def _all_taught(search: Search, ranked: list[Candidate], everything: list[Candid
 def _idealised(chosen: Candidate, refit: Candidate) -> bool:
     """Tell whether idealising the effects so far may leave as much, beside all they explain."""
     return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
+
+
+def _adding(ranked: list[Candidate], chosen: Candidate, refit: Candidate) -> list[Candidate]:
+    """
+    Return those of a round, best first, that are called for.
+
+    Where scores do not tell them apart, the plainest may fall short of that and the next not.
+    """
+    return [one for one in ranked if _adds(one, chosen, refit)]
 
 
 def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:

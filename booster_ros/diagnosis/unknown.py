@@ -61,6 +61,12 @@ class Term:
     size: float
 
     @property
+    def place(self) -> str:
+        """Return its location as effects and reports have it."""
+        location = term.LOCATIONS[self.location]
+        return LOCATION_NAMES.get(location, location)
+
+    @property
     def label(self) -> str:
         """Return 'component over variable'."""
         return f'{term.LOCATIONS[self.location]} over {term.VARIABLES[self.variable]}'

@@ -1,0 +1,41 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Experiments and searches made of short simulations, for tests of the steps of a diagnosis."""
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.diagnosis.freedom import declared_freedom
+from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.segments import split
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import Departure, PositionerParameters
+
+P = PositionerParameters()
+TIME = np.arange(0.0, 30.0, 0.01)
+CURRENT = np.interp(TIME, [0.0, 5.0, 15.0, 20.0, 30.0], [3.6e-4, 3.6e-4, 4.4e-4, 3.8e-4, 3.8e-4])
+START_PRESSURE = 1.7e5
+
+
+def seen(parameters, departure=None, pressure=START_PRESSURE, current=CURRENT, seed=1, time=TIME):
+    """Return the experiment that a plant with these parameters would give, with its noise."""
+    run = simulate(parameters, time, current, {'chamber_pressure': pressure},
+                   departure=departure or Departure())
+    rng = np.random.default_rng(seed)
+    noise = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+    measured = {name: run[f'measured_{name}'] + level * rng.standard_normal(len(time))
+                for name, level in noise.items()}
+    return Experiment(time, current, measured, noise, {}, Initial(pressure))
+
+
+def steps_seen(parameters, levels, pressure, seed):
+    """Return the experiment of steps to these currents (0.1 mA), 5 s each."""
+    time = np.arange(0.0, 5.0 * len(levels), 0.02)
+    current = 1e-4 * levels[(time // 5.0).astype(int)]
+    return seen(parameters, None, pressure, current, seed, time)
+
+
+def searching(experiment, names):
+    """Return the search for these effects."""
+    return Search(experiment, split(experiment.time, experiment.current), P,
+                  tuple(declared_freedom(P, experiment)), names)

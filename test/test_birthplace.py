@@ -1,0 +1,44 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the measured stem says of where a discrepancy is born, before any name is tried."""
+
+from dataclasses import replace
+
+from made_search import CURRENT, P, searching, seen
+import pytest
+
+from booster_ros.diagnosis.birthplace import where_born
+from booster_ros.diagnosis.freedom import put
+from booster_ros.diagnosis.search import PLACES
+from booster_ros.model.catalogue import EFFECTS
+
+BENT_SPRING = put(P, 'actuator.spring_bend', 1500.0)
+BELOW = {'stem', 'sensor'}
+
+
+def born(plant, **other):
+    """Return the search among all effects, narrowed by what this plant's record says."""
+    search = searching(replace(seen(plant, current=CURRENT), **other), tuple(EFFECTS))
+    return where_born(search, search.refit())
+
+
+def test_what_the_stem_alone_lacks_is_sought_there_and_in_the_sensors():
+    search = born(BENT_SPRING)
+    assert search.places == BELOW
+    assert {EFFECTS[name].location for name in search.names} == BELOW
+    assert {'spring_nonlinearity', 'stem_friction', 'pressure_sensor_bias'} <= set(search.names)
+
+
+@pytest.mark.parametrize('plant', [
+    P, put(P, 'actuator.leak_area', 8e-8), put(BENT_SPRING, 'actuator.leak_area', 8e-8)],
+    ids=['nothing', 'leak', 'leak and spring'])
+def test_no_place_is_ruled_out_where_the_part_above_the_stem_lacks_something_or_nothing_does(plant):
+    search = born(plant)
+    assert search.places == PLACES
+    assert search.names == tuple(EFFECTS)
+
+
+def test_no_place_is_ruled_out_where_the_pressure_between_was_not_recorded():
+    experiment = seen(BENT_SPRING)
+    only = {'valve_position': experiment.measured['valve_position']}
+    assert born(BENT_SPRING, measured=only).places == PLACES
