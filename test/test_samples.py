@@ -56,6 +56,10 @@ def test_stem_friction_is_named_and_explains_nearly_all(tmp_path):
     assert (effect['name'], effect['location']) == ('stem_friction', 'stem')
     for parameter in effect['parameters'].values():
         assert parameter['low'] <= parameter['value'] <= parameter['high']
+    for name in ('actuator.coulomb_friction', 'actuator.stiction'):
+        interval = effect['parameters'][name]
+        assert interval['low'] < PUT_IN[name] < interval['high']
+        assert interval['high'] - interval['low'] < 0.25 * PUT_IN[name]
     for channel in report['held_out'].values():
         # its packing yields by a law of its own: this comes near the noise, not down to it
         assert channel['after'] <= 2.0 * channel['noise']

@@ -15,6 +15,7 @@ from booster_ros.diagnosis.candidate import NEAR_NOISE, WORTH_ADDING, Candidate
 from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.intervals import (
     block_bootstrap, block_bootstrap_of_means, undetermined, within)
 from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
@@ -34,11 +35,13 @@ class LastFit:
     A problem on all but the locked rows, its fit, and draws of z by a bootstrap of its segments.
 
     Draws have the shape (draws, variables); there are none where no effect is to be told from none.
+    `trials` are those around a stem that sticks and slips.
     """
 
     problem: Problem
     fit: Fit
     draws: Array = field(default_factory=lambda: np.empty((0, 0)))
+    trials: Trials | None = None
 
 
 def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: LastFit
@@ -60,6 +63,8 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
         last.fit.parameters.actuator) else block_bootstrap
     draws = bootstrap(
         last.problem, last.fit, segment_of_row(search.segments, len(search.experiment.time)))
+    if last.trials is not None:
+        draws = last.trials.instead_of(draws)
     for name in tried.chosen.effects:
         fault = undetermined(last.problem, draws, last.fit, name)
         if fault:
@@ -74,10 +79,9 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
     A stem that sticks is fitted through its slips, any other one to its very end.
     """
     problem = search.on(candidate.problem, USED, 1)
-    dry = has_dry_friction(candidate.fit.parameters.actuator)
-    fit = _through_slips(search, problem, candidate) if dry else _without_slips(
-        problem, candidate)
-    return LastFit(problem, problem.without_unseen(fit))
+    if has_dry_friction(candidate.fit.parameters.actuator):
+        return _through_slips(search, problem, candidate)
+    return LastFit(problem, problem.without_unseen(_without_slips(problem, candidate)))
 
 
 def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
@@ -96,20 +100,25 @@ def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
     return min(fit, again, key=lambda found: found.cost)
 
 
-def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> Fit:
+def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> LastFit:
     """
-    Return the fit; where it leaves more than noise, the better of it and one through the slips.
+    Return the fit; where it leaves more than noise, the best of it, one through slips, and trials.
 
-    That begins with what is seen above the stem. Which of the two ends says more of the friction
-    shows in their means: single slips are chance.
+    That through slips begins with what is seen above the stem; the trials are around the better of
+    the two. Which of all says most of the friction shows in their means: single slips are chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
     if enough or not candidate.effects or _unnamed(candidate):
-        return fit
+        return LastFit(problem, problem.without_unseen(fit))
     above = as_seen_above(search, candidate, fit.z, USED)
     again = problem.fit_through_slips(above, EVALUATIONS)
-    return min(fit, again, key=lambda found: problem.cost_of_means(found.z))
+    fit = min(fit, again, key=lambda found: problem.cost_of_means(found.z))
+    trials = friction_trials(problem, fit.z)
+    if np.argmin(trials.cost) > 0:
+        cost = float(np.sum(problem.residuals(trials.best)**2))
+        fit = replace(problem.at(trials.best), cost=cost)
+    return LastFit(problem, problem.without_unseen(fit), trials=trials)
 
 
 def _unnamed(candidate: Candidate) -> bool:

@@ -9,6 +9,7 @@ import pytest
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.friction_start import best_friction
+from booster_ros.diagnosis.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import from_values
@@ -65,6 +66,45 @@ def test_a_fit_from_there_ends_where_one_from_far_off_does_not_come():
     assert left < 0.7 * missed
     assert abs(stuck.parameters.actuator.coulomb_friction - 380.0) > 50.0
     assert abs(found.parameters.actuator.coulomb_friction - 380.0) < 20.0
+
+
+def z_of(problem, values):
+    """Return z of this friction, all shapes typical."""
+    z = problem.start()
+    for j, free in enumerate(problem.freedoms):
+        z[j] = free.variable(values.get(free.knob.parameter, free.value(free.without_size)))
+    return z
+
+
+def test_trials_find_what_is_better_nearby():
+    problem = problem_of(RIGID)
+    beside = z_of(problem, RIGID | {'actuator.coulomb_friction': 420.0})
+    trials = friction_trials(problem, beside)
+    assert trials.z[0] == pytest.approx(beside)
+    assert trials.cost[0] == problem.cost_of_means(beside)
+    assert problem.cost_of_means(trials.best) == trials.cost.min() < 0.3 * trials.cost[0]
+
+
+def test_trials_around_a_fit_hold_what_was_put_in():
+    problem = problem_of(RIGID)
+    fit = problem.fit_through_slips(best_friction(problem, far_off(problem)), 10)
+    trials = friction_trials(problem, fit.z)
+    for j, free in enumerate(problem.freedoms):
+        good = [free.value(z) for z in trials.as_good[:, j]]
+        if free.knob.parameter in RIGID:
+            assert min(good) < RIGID[free.knob.parameter] < max(good)
+            assert max(good) - min(good) < 0.75 * RIGID[free.knob.parameter]
+        if free.knob.parameter == 'actuator.presliding_stiffness':
+            assert set(good) == {0.0}  # a packing that is rigid stays so
+
+
+def test_draws_have_what_was_varied_from_good_trials_and_the_rest_as_it_was():
+    z = np.array([[0.0, 1.0], [0.1, 1.0], [0.2, 1.0], [9.0, 1.0]])
+    trials = Trials(z, np.array([1.0, 1.2, 1.1, 8.0]), (0,))
+    draws = np.column_stack([np.full(50, 7.0), np.linspace(2.0, 3.0, 50)])
+    again = trials.instead_of(draws)
+    assert set(again[:, 0]) == {0.0, 0.1, 0.2}
+    assert (again[:, 1] == draws[:, 1]).all()
 
 
 def test_of_friction_along_the_travel_the_gradient_stays():
