@@ -29,6 +29,7 @@ from booster_ros.diagnosis.selection import Tried, _backward, _taught, compared,
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.discrepancy import KNOTS, STEM, TIME as OVER_TIME, Discrepancy
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure
 
@@ -292,6 +293,17 @@ def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():
     tried = Tried(refit, refit, (refit,), {})
     assert compete(tried)
     assert best_terms(search, tried) == []
+
+
+def test_a_stem_that_shifts_in_the_course_of_time_lacks_something_in_the_stem():
+    """A shift of the reading explains the position as well, but not the air that the stem moves."""
+    wave = 200.0 * np.sin(np.linspace(0.0, 9.0, KNOTS))
+    plant = P._replace(discrepancy=Discrepancy(STEM, OVER_TIME, -5.0, 125.0, tuple(wave)))
+    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, np.arange(0.0, 120.0, 0.02)), ())
+    refit = search.refit()
+    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    assert best.effects == ('unknown: stem over time',)
+    assert best.misfit < 1.5 < 0.1 * refit.misfit
 
 
 def test_a_term_that_leaves_no_less_on_all_but_the_locked_part_is_no_verdict():

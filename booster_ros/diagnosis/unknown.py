@@ -30,7 +30,8 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY)),
     (term.BOOSTER, 0.01, (term.CHAMBER_PRESSURE,)),
     (term.CHAMBER_VOLUME, 2e-5, (term.VALVE_POSITION, term.CHAMBER_PRESSURE)),
-    (term.STEM, 200.0, (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE)),
+    (term.STEM, 200.0,
+     (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE, term.TIME)),
     (term.PRESSURE_SENSOR, 1e3, (term.CHAMBER_PRESSURE, term.TIME)),
     (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
 )
