@@ -11,16 +11,15 @@ by bounded trust-region least squares (scipy), with the columns of the Jacobian 
 side: the compiled model gives up Python's lock.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-import os
 
 import numpy as np
 
 from booster_ros.diagnosis.descent import CONVERGED, Residuals, descend
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.freedom import BENCH, Free, put
+from booster_ros.diagnosis.side_by_side import side_by_side
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.parameters import ParameterError, check_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
@@ -216,11 +215,8 @@ class Problem:
         silent = self._silent(z)
         columns = np.zeros((len(here), len(z)))
         told = [j for j in range(len(z)) if j not in silent]
-        # A pool that outlived an interruption in the middle of starting a thread would keep the
-        # process from ending.
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            for j, change in zip(told, pool.map(column, told)):
-                columns[:, j] = change
+        for j, change in zip(told, side_by_side(column, told)):
+            columns[:, j] = change
         for j in silent:  # its prior is all that such a variable moves
             columns[len(here) + j - len(z), j] = 1.0 / START[j - len(self.freedoms)]
         return columns

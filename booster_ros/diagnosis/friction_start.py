@@ -10,13 +10,12 @@ best, for a packing that yields and for one that does not; a trial is one run.
 """
 
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 import itertools
-import os
 
 import numpy as np
 
 from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.side_by_side import side_by_side
 
 Array = np.ndarray
 
@@ -64,9 +63,8 @@ def best_friction(problem: Problem, z: Array) -> Array:
 
     def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
         several = list(trials)
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            left = pool.map(lambda trial: problem.cost_of_means(placed(trial)), several)
-            return sorted(zip(left, several))
+        left = side_by_side(lambda trial: problem.cost_of_means(placed(trial)), several)
+        return sorted(zip(left, several))
 
     hollows = tried(itertools.product(SLIDING, BREAKING_AWAY, (False, True)))[:HOLLOWS]
     for step, more in CLOSER:

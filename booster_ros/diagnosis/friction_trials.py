@@ -15,13 +15,12 @@ slopes leave out the truth by many of their widths. So sizes are drawn and run:
 The declared parameters stay as they are.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-import os
 
 import numpy as np
 
 from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.side_by_side import side_by_side
 
 Array = np.ndarray
 
@@ -82,12 +81,11 @@ def friction_trials(problem: Problem, z: Array) -> Trials:
     width = WIDE * np.maximum(np.abs(z[list(varied)]), SMALL)
     low, high = problem.bounds()
     tried, cost = z[np.newaxis], np.array([problem.cost_of_means(z)])
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        for _ in range(ROUNDS):
-            places = np.tile(tried[int(np.argmin(cost))], (TRIALS, 1))
-            places[:, varied] += width * rng.standard_normal((TRIALS, len(varied)))
-            places = np.clip(places, low, high)
-            tried = np.concatenate([tried, places])
-            cost = np.concatenate([cost, list(pool.map(problem.cost_of_means, places))])
-            width = CLOSER * width
+    for _ in range(ROUNDS):
+        places = np.tile(tried[int(np.argmin(cost))], (TRIALS, 1))
+        places[:, varied] += width * rng.standard_normal((TRIALS, len(varied)))
+        places = np.clip(places, low, high)
+        tried = np.concatenate([tried, places])
+        cost = np.concatenate([cost, side_by_side(problem.cost_of_means, places)])
+        width = CLOSER * width
     return Trials(tried, cost, varied)

@@ -15,15 +15,14 @@ of squares of that is what the other costs more than the truth, on average over 
 Where the cost is less than what makes a model unlikely, no fit to this record can decide.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-import os
 
 import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.screening import reference_at, screen
+from booster_ros.diagnosis.side_by_side import side_by_side
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
@@ -63,8 +62,7 @@ def alike(problem: Problem, fit: Fit, effect: str, present: tuple[str, ...],
         joint = replace(found.problem, experiment=problem.experiment)
         return Alike(name, found.cost - departures, joint, start)
 
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        return sorted(pool.map(one, others), key=lambda found: found.cost)
+    return sorted(side_by_side(one, others), key=lambda found: found.cost)
 
 
 def _as_predicted(problem: Problem, fit: Fit) -> Experiment:

@@ -12,9 +12,7 @@ Where the stem sticks, what lies above it is screened and fitted with the stem d
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-import os
 
 import numpy as np
 
@@ -25,6 +23,7 @@ from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.friction_start import best_friction
 from booster_ros.diagnosis.screening import Screened, references, screen, strong_frequencies
 from booster_ros.diagnosis.search import EVALUATIONS, Search, carried, polished
+from booster_ros.diagnosis.side_by_side import side_by_side
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
 
@@ -120,8 +119,7 @@ def _first_steps(thin: Problem, fitted: Fit, names: list[str], tick: Callable[[]
         tick()
         return found
 
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        screened = sorted(pool.map(one, names), key=lambda s: s.cost)
+    screened = sorted(side_by_side(one, names), key=lambda s: s.cost)
     begun: list[_Begun] = []
     count = 0
     for quick in screened[:PROMISING]:
