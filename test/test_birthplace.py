@@ -7,7 +7,7 @@ from dataclasses import replace
 from made_search import CURRENT, P, searching, seen
 import pytest
 
-from booster_ros.diagnosis.birthplace import where_born
+from booster_ros.diagnosis.birthplace import called_for_above, where_born
 from booster_ros.diagnosis.freedom import put
 from booster_ros.diagnosis.search import PLACES
 from booster_ros.model.catalogue import EFFECTS
@@ -42,3 +42,14 @@ def test_no_place_is_ruled_out_where_the_pressure_between_was_not_recorded():
     experiment = seen(BENT_SPRING)
     only = {'valve_position': experiment.measured['valve_position']}
     assert born(BENT_SPRING, measured=only).places == PLACES
+
+
+@pytest.mark.parametrize(('leak', 'effects'), [(5e-8, ('chamber_leak',)), (0.0, None)])
+def test_what_lies_above_is_told_beside_a_stem_that_sticks(leak, effects):
+    plant = put(put(P, 'actuator.coulomb_friction', 80.0), 'actuator.leak_area', leak)
+    search = searching(seen(plant), ('chamber_leak', 'stem_friction', 'supply_droop'))
+    found = called_for_above(search, search.refit())
+    assert (found and found.effects) == effects
+    if effects:
+        assert found.fit.parameters.actuator.leak_area == pytest.approx(leak, rel=0.1)
+        assert found.fit.parameters.actuator.coulomb_friction == 0.0

@@ -11,13 +11,16 @@ whatever bends the pressure can imitate it.
 1. Refit the part above the stem to the measured pressure.
 2. Where the whole leaves far more than that part, only what belongs to the stem or to a sensor is
    tried, with a name or without one.
+3. Where no effect alone helps the whole, one above the stem and friction, say, that part tells the
+   one above without the other.
 """
 
 from dataclasses import replace
 
-from booster_ros.diagnosis.candidate import Candidate
-from booster_ros.diagnosis.cascade import search_above
-from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.candidate import Candidate, clearly_better
+from booster_ros.diagnosis.cascade import search_above, shows_above_the_stem
+from booster_ros.diagnosis.next_effect import extend
+from booster_ros.diagnosis.search import EVALUATIONS, Search, carried
 from booster_ros.model.catalogue import EFFECTS
 
 HARDLY = 0.02
@@ -42,6 +45,22 @@ def where_born(search: Search, refit: Candidate) -> Search:
         return search
     names = tuple(name for name in search.names if EFFECTS[name].location in _BELOW)
     return replace(search, names=names, places=_BELOW)
+
+
+def called_for_above(search: Search, refit: Candidate) -> Candidate | None:
+    """Return the whole with the effect that the part above the stem calls for, None without one."""
+    above = search_above(search)
+    if above is None:
+        return None
+    above = replace(above, names=tuple(filter(shows_above_the_stem, search.names)))
+    without = above.refit()
+    found = next((one for one in extend(above, without, lambda: None)
+                  if not one.fault and clearly_better(one, without)), None)
+    if found is None:
+        return None
+    problem = search.joint(search.problem(), found.effects)
+    fit = problem.fit(carried(problem, refit.fit, found.fit), evaluations=EVALUATIONS)
+    return search.rate(found.effects, problem, fit)
 
 
 def _left(fitted: Candidate) -> float:

@@ -33,6 +33,7 @@ import itertools
 
 import numpy as np
 
+from booster_ros.diagnosis.birthplace import called_for_above
 from booster_ros.diagnosis.candidate import (
     NEAR_NOISE, Candidate, clearly_better, preferred_first, why_dropped)
 from booster_ros.diagnosis.cascade import seen_from_above, shows_above_the_stem
@@ -151,9 +152,22 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
             chosen = adding[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
             break
-        # of two effects either alone may look like none, or be at a bound: what explains most leads
-        parent = chosen if adding else min(ranked, key=lambda c: c.score)
+        parent = chosen if adding else _leading(search, chosen, ranked, everything)
     return chosen
+
+
+def _leading(search: Search, chosen: Candidate, ranked: list[Candidate],
+             everything: list[Candidate]) -> Candidate:
+    """
+    Return what to go on from where no effect is called for: the one above the stem, or the best.
+
+    Of two effects either alone may look like none, or be at a bound.
+    """
+    above = None if chosen.effects else called_for_above(search, chosen)
+    if above is None:
+        return min(ranked, key=lambda c: c.score)
+    everything.append(above)
+    return above
 
 
 def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: list[Candidate]
