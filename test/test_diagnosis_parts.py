@@ -234,8 +234,9 @@ def test_an_effect_is_not_blamed_for_what_only_a_select_segment_teaches():
     assert tried.chosen.fit.parameters.actuator.leak_area == pytest.approx(1e-8, rel=0.2)
 
 
+RAMPS_TIME = np.arange(0.0, 120.0, 0.02)
 RAMPS = np.interp(
-    np.arange(0.0, 120.0, 0.02), np.arange(0.0, 121.0, 6.0),
+    RAMPS_TIME, np.arange(0.0, 121.0, 6.0),
     1e-4 * np.array([4.0, 4.3, 4.1, 4.5, 4.2, 4.0, 4.4, 4.3, 4.6, 4.1, 4.2, 4.5, 4.0, 4.4, 4.2, 4.5,
                      4.3, 4.1, 4.4, 4.2, 4.3]))
 
@@ -246,7 +247,7 @@ def test_a_second_effect_is_found_also_where_the_first_leaves_what_could_be_nois
         restriction, effects):
     """On ramps a thin tube is nearly a slower converter: that leaves 13 % above the noise."""
     plant = put(put(P, 'ep_converter.hysteresis', 1e-6), 'tubing.restriction_area', restriction)
-    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, np.arange(0.0, 120.0, 0.02)),
+    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, RAMPS_TIME),
                        ('ep_hysteresis', 'tubing_restriction', 'chamber_leak'))
     tried = named(search, search.refit(), lambda *_: None)
     assert tried.chosen.effects == effects
@@ -299,7 +300,7 @@ def test_a_stem_that_shifts_in_the_course_of_time_lacks_something_in_the_stem():
     """A shift of the reading explains the position as well, but not the air that the stem moves."""
     wave = 200.0 * np.sin(np.linspace(0.0, 9.0, KNOTS))
     plant = P._replace(discrepancy=Discrepancy(STEM, OVER_TIME, -5.0, 125.0, tuple(wave)))
-    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, np.arange(0.0, 120.0, 0.02)), ())
+    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, RAMPS_TIME), ())
     refit = search.refit()
     best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
     assert best.effects == ('unknown: stem over time',)

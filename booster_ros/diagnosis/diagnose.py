@@ -22,11 +22,12 @@ from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
+    AS_GOOD_AS_MEASURED, ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect,
+    UnknownTerm)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
-from booster_ros.diagnosis.unknown import LOCATION_NAMES, UNNAMED
+from booster_ros.diagnosis.unknown import UNNAMED, place_of
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import DESCRIPTIONS
@@ -42,9 +43,9 @@ in the inside of the range comes near its ends and does not touch them."""
 WORSE = 1.05
 """Held-out error after, relative to before, from which a note warns."""
 
-SHORT_OF_NOISE, CONFIRMED = 1.3, 0.9
-"""Held-out error before, relative to noise, from which something is missing, and after, relative to
-before, up to which what was added has a share in that."""
+CONFIRMED = 0.9
+"""Where something is missing, held-out error after, relative to before, up to which what was added
+has a share in that."""
 
 
 def diagnose(
@@ -155,7 +156,8 @@ def doubts(errors: dict[str, ChannelError], part: str) -> tuple[str, ...]:
         f'on {part} the error of {name} rises from {error.before:.3g} to '
         f'{error.after:.3g} {error.unit} with what was added: trust it less'
         for name, error in errors.items() if error.after > WORSE * max(error.before, error.noise))
-    missing = [error for error in errors.values() if error.before > SHORT_OF_NOISE * error.noise]
+    missing = [error for error in errors.values()
+               if error.before > AS_GOOD_AS_MEASURED * error.noise]
     if rises or not missing or any(error.after < CONFIRMED * error.before for error in missing):
         return rises
     return (f'{part} lacks as much with what was added as without it: it does not confirm it',)
@@ -242,7 +244,7 @@ def _found_unknown(alike: list[Candidate], after: Fit
     unknown = UnknownTerm(
         location, term.VARIABLES[table.variable], term.VARIABLE_UNITS[table.variable],
         term.LOCATION_UNITS[table.location], knots, np.array(table.values))
-    name = LOCATION_NAMES.get(location, location)
+    name = place_of(table.location)
     effect = FoundEffect(
         'unknown', name, {}, tuple(one.effects[0].removeprefix(UNNAMED) for one in alike[1:]),
         f'vary {term.VARIABLES[table.variable]} alone, with the channels on both sides of '

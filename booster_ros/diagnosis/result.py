@@ -52,6 +52,10 @@ class UnknownTerm:
         return float(self.knots[1]), float(self.knots[-2])
 
 
+AS_GOOD_AS_MEASURED = 1.3
+"""Ratio of error to noise up to which a model is called as good as the measurement."""
+
+
 @dataclass(frozen=True)
 class ChannelError:
     """Root mean square errors of one channel: parameters as given, refitted, with the effect."""

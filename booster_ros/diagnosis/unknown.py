@@ -39,7 +39,7 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
 UNNAMED = 'unknown: '
 """Before the label of a term, where models are listed by their effects."""
 
-LOCATION_NAMES = {
+_PLACES = {
     'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber'}
 """Locations as reports print them, where they differ from the table's."""
 
@@ -64,13 +64,18 @@ class Term:
     @property
     def place(self) -> str:
         """Return its location as effects and reports have it."""
-        location = term.LOCATIONS[self.location]
-        return LOCATION_NAMES.get(location, location)
+        return place_of(self.location)
 
     @property
     def label(self) -> str:
         """Return 'component over variable'."""
         return f'{term.LOCATIONS[self.location]} over {term.VARIABLES[self.variable]}'
+
+
+def place_of(location: int) -> str:
+    """Return the location of a term, by its number in a table, as effects and reports have it."""
+    name = term.LOCATIONS[location]
+    return _PLACES.get(name, name)
 
 
 def terms(channels: tuple[str, ...]) -> list[Term]:

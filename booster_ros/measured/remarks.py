@@ -10,11 +10,11 @@ import numpy as np
 
 from ..diagnosis.experiment import rmse
 from ..diagnosis.freedom import BENCH_RANGE
-from ..diagnosis.result import Diagnosis, Interval
+from ..diagnosis.result import AS_GOOD_AS_MEASURED, Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
 from ..paper.table_three import Suspect as IndexSuspect
 from ..report.engineering import number, si_text
-from ..report.wording import NEAR_NOISE, effect_label, listing
+from ..report.wording import effect_label, listing
 from .records import CHAMBERS, FLOW_BENCH, FLOW_BENCH_WITHOUT_100, SIGNATURE, MeasuredRecord
 from .supplies import MODELS, SPLITS, Prediction, left_out
 
@@ -47,7 +47,7 @@ def on(record: MeasuredRecord, diagnosis: Diagnosis) -> list[str]:
 
 def _on_noise(diagnosis: Diagnosis) -> list[str]:
     ratios = [error.after / error.noise for error in diagnosis.held_out.values()]
-    if max(ratios) <= NEAR_NOISE:
+    if max(ratios) <= AS_GOOD_AS_MEASURED:
         return []
     found = {'effect': 'this is the best of the named explanations, not a complete one',
              'unknown': 'the term without a name is not all that is missing',

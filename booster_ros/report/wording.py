@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import math
 import re
 
-from booster_ros.diagnosis.result import ChannelError, Diagnosis, FalseAdd, UnknownTerm
+from booster_ros.diagnosis.result import (
+    AS_GOOD_AS_MEASURED, ChannelError, Diagnosis, FalseAdd, UnknownTerm)
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import Scale, number, scale_of, side_by_side
 
@@ -15,9 +16,6 @@ SCALING = (
     'S_max) by one factor leaves every pressure and position unchanged: only their ratios are '
     'identified, not each of them.'
 )
-
-NEAR_NOISE = 1.3
-"""Ratio of error to noise up to which a model is called as good as the measurement."""
 
 _CHANNELS = {
     'control_current': 'control current',
@@ -163,7 +161,7 @@ def _gain(diagnosis: Diagnosis) -> str:
 def _rest(diagnosis: Diagnosis) -> list[str]:
     """Return a sentence on the channels in which more than noise is left, if there are any."""
     left = [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
-            for name, e in judged(diagnosis).items() if e.after > NEAR_NOISE * e.noise]
+            for name, e in judged(diagnosis).items() if e.after > AS_GOOD_AS_MEASURED * e.noise]
     return [f'It leaves {listing(left)}: that is not explained.'] if left else []
 
 
@@ -195,7 +193,7 @@ def _where(diagnosis: Diagnosis) -> str:
 
 
 def _reaches_noise(diagnosis: Diagnosis) -> bool:
-    return all(e.after <= NEAR_NOISE * e.noise for e in judged(diagnosis).values())
+    return all(e.after <= AS_GOOD_AS_MEASURED * e.noise for e in judged(diagnosis).values())
 
 
 def _unknown_place(diagnosis: Diagnosis) -> str:
