@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import contextlib
 import time
 from types import TracebackType
 from typing import Any
@@ -61,15 +62,29 @@ class RosClient:
         self.spin_until(lambda: len(messages) >= count, timeout)
         return messages[:count]
 
-    def call(self, service: str, kind: type, request: Any, timeout: float = 20.0) -> Any:
-        """Wait for the service, call it and return the response."""
+    def call(self, service: str, kind: type, request: Any, attempts: int = 3) -> Any:
+        """
+        Wait for the service, call it and return the response.
+
+        A service may answer before it knows who listens, and that answer is lost
+        (github.com/ros2/rmw_fastrtps/issues/842). So what was not answered is asked again, unless
+        one attempt is all that does no harm.
+
+        Raises:
+            AssertionError: there is no such service, or none of the attempts was answered.
+
+        """
         client = self._clients.get(service)
         if client is None:
             client = self._clients[service] = self.node.create_client(kind, service)
-        self.spin_until(client.service_is_ready, timeout)
-        future = client.call_async(request)
-        self.spin_until(future.done, timeout)
-        return future.result()
+        self.spin_until(client.service_is_ready)
+        for _ in range(attempts):
+            future = client.call_async(request)
+            with contextlib.suppress(AssertionError):
+                self.spin_until(future.done)
+                return future.result()
+            client.remove_pending_request(future)
+        raise AssertionError(f'{service} was asked {attempts} times and did not answer')
 
     def __enter__(self) -> RosClient:
         """Return the client itself."""
