@@ -101,7 +101,7 @@ FRICTION = FoundEffect(
     {'misfit_without': 388.0, 'misfit_with': 1.02, 'score_fall': 4e5,
      'score_fall_standard_error': 2e4})
 
-TERM = UnknownTerm('stem', 'valve_position', 'm', 'N', KNOTS, TABLE)
+TERM = UnknownTerm(BENT.discrepancy)
 
 
 def friction_found():

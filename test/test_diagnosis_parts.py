@@ -21,7 +21,7 @@ from booster_ros.diagnosis.last_fit import last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import _plainest_above, rematch
-from booster_ros.diagnosis.result import ChannelError
+from booster_ros.diagnosis.result import ChannelError, UnknownTerm
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.segments import USED
@@ -165,7 +165,7 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error(
     within = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
     assert validated(found, within).notes == found.notes
 
-    narrow = replace(found.unknown, knots=np.linspace(0.004, 0.010, len(found.unknown.knots)))
+    narrow = UnknownTerm(found.unknown.table._replace(low=0.004, high=0.010))
     notes = validated(replace(found, unknown=narrow), within).notes
     seen = within.measured['valve_position']
     share = np.mean((seen < narrow.knots[1]) | (seen > narrow.knots[-2]))

@@ -104,7 +104,7 @@ def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_wha
 
 
 IN_A_CORNER = (-0.027, 2.385, 5.0, -1.661, 0.0, -5.0, 1.54, 1.234, -0.318, 0.225, 3.578, 0.341,
-               2.309, 0.472, -6.529, -1.0, 0.0, 0.0)
+               2.309, 0.472, -6.529, -1.0, 0.0, 0.0, 0.0)
 """Where a fit with hysteresis alone ends on a record of hysteresis and a throttled tube."""
 
 
@@ -121,7 +121,7 @@ def test_an_effect_is_screened_by_what_all_else_may_do_about_it_within_bounds(tm
 
 
 NOT_AT_REST = (-0.277, 1.131, 0.167, -0.006, -1.181, -0.619, 0.83, -1.054, 0.016, -0.007, 0.225,
-               0.132, 1.418, 2.513, 1.658, -0.788, 2.432, 0.0, 0.0, 0.0)
+               0.132, 1.418, 2.513, 1.658, -0.788, 2.432, 0.0, 0.0, 0.0, 0.0)
 """Where the fit of a choice ended: offset and supply pressure one standard deviation off."""
 
 

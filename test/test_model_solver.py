@@ -236,8 +236,9 @@ def test_simulate_refuses_rows_that_do_not_fit(time, current, complaint):
 def test_states_hold_all_that_is_integrated():
     assert len(settled_state(positioner(), 0.0, 0.0, None)) == STATES
     assert active_states(positioner()) == [BACK, CHAMBER, POSITION, VELOCITY]
-    yielding = {**EVERYTHING, 'actuator.presliding_stiffness': 1e7}
-    assert active_states(positioner(yielding)) == list(range(STATES))
+    all_of_them = {**EVERYTHING, 'actuator.presliding_stiffness': 1e7,
+                   'discrepancy.variable': 'valve_position_change'}
+    assert active_states(positioner(all_of_them)) == list(range(STATES))
 
 
 @pytest.mark.parametrize('values', [{}, EVERYTHING], ids=['declared', 'all effects'])

@@ -31,10 +31,14 @@ SAMPLES = 1000
 DRIFTING = UNNAMED + 'ep_converter over time'
 
 
-def scored(effects, *by_segment):
+STICKING = DECLARED._replace(actuator=DECLARED.actuator._replace(coulomb_friction=200.0))
+
+
+def scored(effects, *by_segment, parameters=DECLARED):
     """Return a model that scored so, in units of the noise, on segments of equal length."""
     each = SAMPLES / len(by_segment)
-    return Candidate(effects, None, None, each * np.array(by_segment), 0.0, SAMPLES)
+    fit = Fit((), np.zeros(0), parameters, None, 0.0, np.zeros((0, 0)))
+    return Candidate(effects, None, fit, each * np.array(by_segment), 0.0, SAMPLES)
 
 
 def tried(named):
@@ -148,6 +152,13 @@ def test_of_several_effects_nothing_but_noise_is_to_be_left():
     for left, competing in ((1.36, True), (1.1, False)):
         both = scored(('opening_nonlinearity', 'ep_nonlinearity'), left, left, left, left)
         assert compete(Tried(quiet, both, (quiet, both), {})) is competing
+
+
+def test_several_are_held_to_noise_however_much_they_explain_but_where_the_stem_sticks():
+    """Drift, hysteresis and a ripple nearly make a converter that creeps."""
+    left = (2.0, 2.0, 2.0, 2.0)  # 1 of 39
+    assert compete(tried(scored(('ep_drift', 'ep_hysteresis'), *left)))
+    assert not compete(tried(scored(('ep_drift', 'stem_friction'), *left, parameters=STICKING)))
 
 
 def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():

@@ -20,7 +20,8 @@ from made_diagnosis import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.result import ChannelError, Interval, Refitted
+from booster_ros.diagnosis.result import ChannelError, Interval, Refitted, UnknownTerm
+from booster_ros.model import discrepancy
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
 from booster_ros.report.engineering import digits_apart, number, scale_of, si_text, side_by_side
@@ -181,7 +182,7 @@ def test_an_unnamed_term_is_shown_with_its_variable_place_and_range():
 
 def test_an_unnamed_term_over_time_is_not_to_be_varied():
     diagnosis = unknown_found()
-    term = replace(diagnosis.unknown, variable='time', variable_unit='s')
+    term = UnknownTerm(diagnosis.unknown.table._replace(variable=discrepancy.TIME))
     page = Page(html_page(replace(diagnosis, unknown=term), FROM))
     assert 'record the same currents again' in page.text
     assert 'vary the time' not in page.text

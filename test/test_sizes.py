@@ -11,7 +11,7 @@ import pytest
 
 from booster_ros.diagnosis.diagnose import diagnose, known_together
 from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.fit import START, Fit, Problem
 from booster_ros.diagnosis.freedom import (
     BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, put)
 from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_sizes, undetermined
@@ -180,7 +180,7 @@ def test_what_one_select_segment_shows_counts_if_the_fit_segments_show_it_too(
 
 
 def test_a_size_that_moves_nothing_is_not_told_from_none():
-    still = np.zeros((len(TIME), 6))
+    still = np.zeros((len(TIME), 1 + len(START)))
     problem, draws, fit = made_fit(
         'dead_time', [1.0], 1.0 + 0.01 * RNG.standard_normal((400, 1)), still)
     assert undetermined(problem, draws, fit, 'dead_time') == 'its size is not told from none'

@@ -32,8 +32,8 @@ from ..model.system import (
 )
 from .cases import Case
 
-# Absolute tolerance per relative tolerance: Pa, Pa, Pa, Pa, K, m, m/s.
-SCALES = (1e4, 1e4, 1e4, 1e4, 10.0, 1e-2, 1.0)
+# Absolute tolerance per relative tolerance: Pa, Pa, Pa, Pa, K, -, m, m/s.
+SCALES = (1e4, 1e4, 1e4, 1e4, 10.0, 1.0, 1e-2, 1.0)
 
 
 Rates = Callable[[PositionerParameters, float, float, float, list[float], list[float]], None]

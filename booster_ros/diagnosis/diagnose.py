@@ -28,7 +28,6 @@ from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
 from booster_ros.diagnosis.unknown import UNNAMED, place_of
-from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
@@ -238,17 +237,12 @@ def _rivals(name: str, rest: tuple[str, ...], tried: Tried, best: Candidate) -> 
 
 def _found_unknown(alike: list[Candidate], after: Fit
                    ) -> tuple[tuple[FoundEffect, ...], UnknownTerm]:
-    table = after.parameters.discrepancy
-    location = term.LOCATIONS[table.location]
-    knots = np.r_[table.low, np.linspace(*term.covered(table), term.KNOTS - 2), table.high]
-    unknown = UnknownTerm(
-        location, term.VARIABLES[table.variable], term.VARIABLE_UNITS[table.variable],
-        term.LOCATION_UNITS[table.location], knots, np.array(table.values))
-    name = place_of(table.location)
+    unknown = UnknownTerm(after.parameters.discrepancy)
+    place = place_of(unknown.table.location)
     effect = FoundEffect(
-        'unknown', name, {}, tuple(one.effects[0].removeprefix(UNNAMED) for one in alike[1:]),
-        f'vary {term.VARIABLES[table.variable]} alone, with the channels on both sides of '
-        f'{name} recorded', {'misfit_with': alike[0].misfit})
+        'unknown', place, {}, tuple(one.effects[0].removeprefix(UNNAMED) for one in alike[1:]),
+        f'vary {unknown.variable} alone, with the channels on both sides of {place} recorded',
+        {'misfit_with': alike[0].misfit})
     return (effect,), unknown
 
 

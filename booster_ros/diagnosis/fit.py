@@ -21,6 +21,7 @@ from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.freedom import BENCH, Free, put
 from booster_ros.diagnosis.side_by_side import side_by_side
 from booster_ros.model.actuator import has_dry_friction
+from booster_ros.model.discrepancy import remembers
 from booster_ros.model.parameters import ParameterError, check_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.system import Departure, PositionerParameters
@@ -46,11 +47,11 @@ UNSEEN = 1.0
 
 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
 
-START = np.array([3.0, 4.0, 1.0, 1.0, 2.0])
+START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Spread of the start around the experiment's: pressure in 100 Pa, back pressure in 500 Pa, places
-in the two plays, warmth of the chamber's air in 10 K."""
+in the two plays, warmth of the chamber's air in 10 K, what was of late in 0.3 of its unit."""
 
-START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0)
+START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
 
 FAR = 1e3
 """Scaled residual where the model cannot run; large, finite, flat: a fit turns away."""
@@ -120,10 +121,10 @@ class Problem:
         """Return the start at z: the stem stands where it was seen if it can stick."""
         start = self.experiment.initial
         if self.nuisances:
-            pressure, back, ep_play, position_play, warmth = z[len(self.freedoms):]
+            pressure, back, ep_play, position_play, warmth, past = z[len(self.freedoms):]
             back = start.departure.back_pressure + 500.0 * back
             start = replace(
-                start, departure=Departure(back, ep_play, position_play, 10.0 * warmth),
+                start, departure=Departure(back, ep_play, position_play, 10.0 * warmth, 0.3 * past),
                 chamber_pressure=pressure_behind(
                     p.sensors, start.chamber_pressure + 100.0 * pressure))
         if start.valve_position is None or not has_dry_friction(p.actuator):
@@ -231,7 +232,7 @@ class Problem:
             return []
         p = self.parameters(z)
         sizes = (p.ep_converter.hysteresis, p.sensors.position_backlash,
-                 p.actuator.thermal_resistance)
+                 p.actuator.thermal_resistance, float(remembers(p.discrepancy)))
         return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
 
     def without_unseen(self, fit: Fit) -> Fit:

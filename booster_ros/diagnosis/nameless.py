@@ -13,8 +13,10 @@ from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished
 from booster_ros.diagnosis.segments import USED
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
-from booster_ros.diagnosis.unknown import UNNAMED, linear_reach, moved, terms
+from booster_ros.diagnosis.unknown import (
+    UNNAMED, linear_reach, moved, terms, with_free_memory)
 from booster_ros.model import discrepancy as term
+from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
 
@@ -86,8 +88,11 @@ def compete(tried: Tried) -> bool:
     Tell whether the named effects leave so much that terms without a name compete.
 
     Of several effects no more than noise is to be left: together they bend to what none of them is.
+    But where the stem sticks: friction is idealised.
     """
     effects = tried.chosen.effects
+    if len(effects) > 1 and not has_dry_friction(tried.chosen.fit.parameters.actuator):
+        return tried.chosen.misfit >= NEAR_NOISE
     enough = NEAR_NOISE if len(effects) > 1 else WELL_EXPLAINED
     return tried.chosen.misfit >= enough and not (effects and _leave_less(tried, MOSTLY))
 
@@ -167,13 +172,18 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
               and not (foreseen and still and one.variable == term.TIME)]
     seen, _ = search.rows_and_experiment(USED, search.thinning)
     reference = thin.at(refit.fit.z)
-    reached = [(*linear_reach(thin, reference, one, seen), one.label) for one in likely]
-    least = min((cost for cost, *_ in reached), default=0.0)
+    reached: dict[str, tuple[float, Array, Array, Problem]] = {}
+    for one in likely:  # the same term may be there with several times of memory
+        reach = linear_reach(thin, reference, one, seen)
+        if one.label not in reached or reach[0] < reached[one.label][0]:
+            reached[one.label] = reach
+    least = min((cost for cost, *_ in reached.values()), default=0.0)
     begun: dict[str, tuple[float, Problem, Array]] = {}
-    for cost, z, move, joint, label in reached:
+    for label, (cost, z, move, joint) in reached.items():
         if cost < WITHIN_REACH * least:
             start = moved(joint, z, move) if cost < POINTED_AT * least else joint.start()
-            first = joint.fit(start, evaluations=FIRST_EVALUATIONS)
-            begun[label] = (first.cost, joint, first.z)
+            problem, start = with_free_memory(joint, start)
+            first = problem.fit(start, evaluations=FIRST_EVALUATIONS)
+            begun[label] = (first.cost, problem, first.z)
     furthest = sorted(begun, key=lambda label: begun[label][0])[:LIKELY_TERMS]
-    return [(one.label, *begun[one.label][1:]) for one in likely if one.label in furthest]
+    return [(label, *begun[label][1:]) for label in reached if label in furthest]

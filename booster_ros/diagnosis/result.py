@@ -8,6 +8,8 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.segments import Segment
+from booster_ros.model import discrepancy as term
+from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -37,19 +39,50 @@ class FoundEffect:
 
 @dataclass(frozen=True)
 class UnknownTerm:
-    """A discrepancy without a name: a table over one variable in one component."""
+    """A discrepancy without a name: a table over one variable in one component, SI units."""
 
-    location: str
-    variable: str
-    variable_unit: str
-    unit: str
-    knots: Array
-    values: Array
+    table: Discrepancy
+
+    @property
+    def location(self) -> str:
+        """The component that it enters."""
+        return term.LOCATIONS[self.table.location]
+
+    @property
+    def unit(self) -> str:
+        """Unit of what it adds there."""
+        return term.LOCATION_UNITS[self.table.location]
+
+    @property
+    def variable(self) -> str:
+        """What it depends on."""
+        return term.VARIABLES[self.table.variable]
+
+    @property
+    def variable_unit(self) -> str:
+        """Unit of that."""
+        return term.VARIABLE_UNITS[self.table.variable]
+
+    @property
+    def memory(self) -> float | None:
+        """Time over which the variable is a change, s; None where it is none."""
+        return self.table.memory if term.remembers(self.table) else None
 
     @property
     def seen(self) -> tuple[float, float]:
         """The range of the variable in the record; the outermost knots lie beyond it, at zero."""
-        return float(self.knots[1]), float(self.knots[-2])
+        return term.covered(self.table)
+
+    @property
+    def knots(self) -> Array:
+        """Values of the variable at which the table has its own, shape (term.KNOTS,)."""
+        inner = np.linspace(*self.seen, term.KNOTS - 2)
+        return np.r_[self.table.low, inner, self.table.high]
+
+    @property
+    def values(self) -> Array:
+        """What it adds there, shape (term.KNOTS,)."""
+        return np.array(self.table.values)
 
 
 AS_GOOD_AS_MEASURED = 1.3

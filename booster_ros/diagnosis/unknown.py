@@ -5,36 +5,51 @@ A discrepancy without a name: which component lacks what, as a function of what.
 
 A tabulated term (model/discrepancy) is tried in every component over the variables that a missing
 effect there would depend on. Its values enter nearly linearly, so one simulation per knot and one
-linear solve, with the declared parameters reacting, tell what each can reach.
+linear solve, with the declared parameters reacting, tell what each can reach. What follows a change
+is tried with a few times of memory, and fitted with the best of them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from booster_ros.diagnosis.descent import straight
+from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import START, Fit, Problem
 from booster_ros.diagnosis.freedom import Free
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy, covered
+from booster_ros.model.sensors import lagged
 
 Array = np.ndarray
 
 # What a term may depend on in each component, and a size of it that a record shows. The commoner
 # kind first: chambers leak more often than a relay's forces depend on the pressure behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
-    (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.TIME)),
+    (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
     (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
     (term.SUPPLY, 1e3, (term.TIME,)),
-    (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY)),
+    (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY,
+                          term.PRESSURE_CHANGE)),
     (term.BOOSTER, 0.01, (term.CHAMBER_PRESSURE,)),
     (term.CHAMBER_VOLUME, 2e-5, (term.VALVE_POSITION, term.CHAMBER_PRESSURE)),
     (term.STEM, 200.0,
-     (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE, term.TIME)),
+     (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE, term.POSITION_CHANGE,
+      term.TIME)),
     (term.PRESSURE_SENSOR, 1e3, (term.CHAMBER_PRESSURE, term.TIME)),
     (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
 )
+
+MEMORIES = (3.0, 12.0, 48.0)
+"""Times of memory that are tried, s: those between are near enough for a fit to go on from."""
+
+LONGER = 1.5
+"""What a fitted memory may come to be longer by before the table ends too early."""
+
+SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
+"""Bounds of a fitted one, s: a shorter one is a lag, of a longer one no record shows the end."""
 
 UNNAMED = 'unknown: '
 """Before the label of a term, where models are listed by their effects."""
@@ -55,11 +70,12 @@ leaves to the declared parameters what stays the same everywhere. They hold beyo
 
 @dataclass(frozen=True)
 class Term:
-    """A place for a discrepancy: component, variable, and a size that shows."""
+    """A place for a discrepancy: component, variable, a size that shows, memory of a change, s."""
 
     location: int
     variable: int
     size: float
+    memory: float = MEMORIES[0]
 
     @property
     def place(self) -> str:
@@ -85,8 +101,27 @@ def terms(channels: tuple[str, ...]) -> list[Term]:
         absent.add(term.PRESSURE_SENSOR)
     if 'valve_position' not in channels:
         absent |= {term.POSITION_SENSOR, term.STEM}
-    return [Term(location, variable, size) for location, size, variables in _TERMS
-            for variable in variables if location not in absent]
+    return [Term(location, variable, size, memory) for location, size, variables in _TERMS
+            for variable in variables if location not in absent
+            for memory in (MEMORIES if variable in term.CHANGE_OF else MEMORIES[:1])]
+
+
+def followed(table: Discrepancy, time: Array, columns: Mapping[str, Array]) -> Array:
+    """
+    Return the variable of a term over time (s), shape (n,).
+
+    `columns` are channels of a run or a record; what a change is one of must be among them.
+    """
+    if table.variable not in term.CHANGE_OF:
+        return columns[term.VARIABLES[table.variable]]
+    now = columns[term.VARIABLES[term.CHANGE_OF[table.variable]]]
+    past = np.empty(len(now))
+    past[0] = now[0]
+    for k in range(1, len(now)):
+        step = time[k] - time[k - 1]
+        past[k] = lagged(past[k - 1], now[k - 1], now[k], table.memory, step) if step > 0.0 else (
+            past[k - 1])
+    return now - past
 
 
 def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
@@ -95,20 +130,42 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
 
     As it was measured, where it was: a model without the term may stay within half of that. The
     rows are to hold those between the fitted ones as well: the table is zero beyond its range, and
-    a run that leaves it comes back with a chamber that knows nothing of the term.
+    a run that leaves it comes back with a chamber that knows nothing of the term. Of a change the
+    range is that of a longer memory, as a fit may find one.
     """
-    name = term.VARIABLES[one.variable]
-    values = problem.experiment.measured.get(name)
-    if values is None or not np.isfinite(values[seen]).any():
-        values = problem.experiment.simulate(reference.parameters, reference.initial)[name]
+    empty = Discrepancy(one.location, one.variable, memory=one.memory)
+    values = _course(problem.experiment, reference, empty._replace(memory=LONGER * one.memory))
     low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
-    table = Discrepancy(one.location, one.variable, float(low - spacing), float(high + spacing))
+    table = empty._replace(low=float(low - spacing), high=float(high + spacing))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
     values_free = tuple(
         Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
     return Problem(problem.experiment, problem.rows, problem.base._replace(discrepancy=table),
                    problem.freedoms + values_free)
+
+
+def _course(experiment: Experiment, reference: Fit, table: Discrepancy) -> Array:
+    """Return the variable of a term as measured; as simulated where it was not, or not always."""
+    name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
+    values = experiment.measured.get(name)
+    gaps = values is None or not np.isfinite(values).any() or (
+        table.variable in term.CHANGE_OF and not np.isfinite(values).all())
+    if gaps:
+        values = experiment.simulate(reference.parameters, reference.initial)[name]
+    return followed(table, experiment.time, {name: np.asarray(values)})
+
+
+def with_free_memory(joint: Problem, z: Array) -> tuple[Problem, Array]:
+    """Return problem and z with the memory of a change free as well, if the term follows one."""
+    table = joint.base.discrepancy
+    if table.variable not in term.CHANGE_OF:
+        return joint, z
+    knob = Knob('discrepancy.memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY, table.memory,
+                shape=True)
+    where = len(joint.freedoms)
+    free = Free(knob, table.memory, table.memory)
+    return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
 
 
 def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:

@@ -11,6 +11,7 @@ from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import ChannelError, Diagnosis
+from booster_ros.diagnosis.unknown import followed
 from booster_ros.model.booster import exhaust_area, intake_area, largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
 
@@ -51,7 +52,8 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tup
     unknown = diagnosis.unknown
     if unknown is None:
         return ()
-    seen = experiment.simulate(diagnosis.after, start)[unknown.variable]
+    run = experiment.simulate(diagnosis.after, start)
+    seen = followed(unknown.table, experiment.time, run.columns)
     share = float(np.mean((seen < unknown.seen[0]) | (seen > unknown.seen[1])))
     if share < WORTH_SAYING:
         return ()

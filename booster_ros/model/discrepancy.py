@@ -18,10 +18,15 @@ NONE, EP_CONVERTER, BOOSTER, SUPPLY, CHAMBER, STEM, PRESSURE_SENSOR, POSITION_SE
     CHAMBER_VOLUME = range(9)
 
 VARIABLES = ('time', 'control_current', 'back_pressure', 'supply_pressure', 'chamber_pressure',
-             'valve_position', 'stem_velocity', 'booster_force')
-VARIABLE_UNITS = ('s', 'A', 'Pa', 'Pa', 'Pa', 'm', 'm/s', 'N')
+             'valve_position', 'stem_velocity', 'booster_force', 'control_current_change',
+             'chamber_pressure_change', 'valve_position_change')
+VARIABLE_UNITS = ('s', 'A', 'Pa', 'Pa', 'Pa', 'm', 'm/s', 'N', 'A', 'Pa', 'm')
 TIME, CONTROL_CURRENT, BACK_PRESSURE, SUPPLY_PRESSURE, CHAMBER_PRESSURE, VALVE_POSITION, \
-    STEM_VELOCITY, BOOSTER_FORCE = range(8)
+    STEM_VELOCITY, BOOSTER_FORCE, CURRENT_CHANGE, PRESSURE_CHANGE, POSITION_CHANGE = range(11)
+
+CHANGE_OF = {CURRENT_CHANGE: CONTROL_CURRENT, PRESSURE_CHANGE: CHAMBER_PRESSURE,
+             POSITION_CHANGE: VALVE_POSITION}
+"""The variable that a change is one of."""
 
 KNOTS = 12
 
@@ -48,6 +53,13 @@ class Discrepancy(NamedTuple):
     fade_above: Annotated[float, Quantity(
         'unit of the variable', 'from the last value but one to the last; 0: as to any other',
         0.0, 1e9)] = 0.0
+    memory: Annotated[float, Quantity(
+        's', 'of a change: time in which 63 % of what was is forgotten', 1e-2, 1e6)] = 10.0
+
+
+def remembers(table: Discrepancy) -> bool:
+    """Tell whether the term follows a change."""
+    return table.location != NONE and table.variable >= CURRENT_CHANGE
 
 
 def can_depend(location: int, variable: int) -> bool:

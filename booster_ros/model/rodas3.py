@@ -14,7 +14,7 @@ from .workspace import TOLERANCE
 ORDER = 3.0
 
 # Increments for the numerical Jacobian, in the unit of each state.
-INCREMENT = (0.1, 0.1, 0.1, 0.1, 1e-4, 1e-9, 1e-7, 1e-3)
+INCREMENT = (0.1, 0.1, 0.1, 0.1, 1e-4, 1e-6, 1e-9, 1e-7, 1e-3)
 
 
 def fill_jacobian(p, time, current, direction, y, active, count, w) -> None:

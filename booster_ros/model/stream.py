@@ -15,9 +15,9 @@ from .kernel import OBSERVED, run
 from .solver import Workspace, new_workspace
 from .supply import set_pressure
 from .system import (
-    BACK, CENTRED, CHAMBER, MEMORIES, OUTLET, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY,
-    TEMPERATURE, Departure, Outputs, PositionerParameters, discrepancy_at, held_force,
-    hold_inactive_states, is_active, start_current, start_memory)
+    BACK, CENTRED, CHAMBER, MEMORIES, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES,
+    SUPPLY, TEMPERATURE, Departure, Outputs, PositionerParameters, discrepancy_at, held_force,
+    hold_inactive_states, is_active, present, start_current, start_memory)
 
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""
@@ -44,6 +44,7 @@ def settled_state(
     y[POSITION] = (
         balance_position(p.actuator, chamber_pressure) if valve_position is None
         else valve_position)
+    y[PAST] = present(p.discrepancy, current, y)
     hold_inactive_states(p, time, y, ())
     extra = discrepancy_at(p.discrepancy, EP_CONVERTER, time, current, y, 0.0)
     y[BACK] = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
@@ -87,6 +88,7 @@ class Stream:
             y[STATE_NAMES.index(name)] = value
         y[BACK] += departure.back_pressure
         y[TEMPERATURE] += departure.temperature
+        y[PAST] += departure.past
         hold_inactive_states(parameters, time, y, ())
         memory = [0.0] * MEMORIES
         start_memory(parameters, control_current, y, 1e-3, memory, departure)

@@ -18,17 +18,17 @@ from .actuator import (
     sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
-from .discrepancy import Discrepancy, interpolate, slope
+from .discrepancy import Discrepancy, interpolate, remembers, slope
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
 from .gas import ATMOSPHERE
 from .sensors import Sensors, lagged, position_reading, pressure_reading
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
 
-BACK, SUPPLY, OUTLET, CHAMBER, TEMPERATURE, POSITION, VELOCITY, PRESLIDING = range(8)
-STATES = 8
+BACK, SUPPLY, OUTLET, CHAMBER, TEMPERATURE, PAST, POSITION, VELOCITY, PRESLIDING = range(9)
+STATES = 9
 STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_pressure',
-               'gas_temperature', 'valve_position', 'stem_velocity', 'presliding_force')
+               'gas_temperature', 'past', 'valve_position', 'stem_velocity', 'presliding_force')
 
 # What is remembered from one interval to the next besides the state: the stem's direction of
 # sliding (0 stuck or no dry friction), the solver's next trial step, how often the present slide
@@ -38,6 +38,9 @@ STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_p
  LAGGED_POSITION, POSITION_PLAY) = range(10)
 MEMORIES = 10
 
+
+PAST_CURRENT, PAST_PRESSURE, PAST_POSITION = 1e-4, 1e5, 1e-2
+"""Units of the state `past`, A, Pa and m: it is of order one whatever it remembers."""
 
 LARGEST_YIELD = 0.5
 """Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
@@ -88,6 +91,8 @@ def is_active(p: PositionerParameters, state: int) -> bool:
         return p.tubing.restriction_area > 0.0
     if state == TEMPERATURE:
         return p.actuator.thermal_resistance > 0.0
+    if state == PAST:
+        return remembers(p.discrepancy)
     if state == PRESLIDING:
         return has_dry_friction(p.actuator) and not is_rigid(p.actuator)
     return True
@@ -101,6 +106,8 @@ def hold_inactive_states(p: PositionerParameters, time: float, y, pinned) -> Non
         y[OUTLET] = y[CHAMBER]
     if p.actuator.thermal_resistance <= 0.0:
         y[TEMPERATURE] = p.supply.temperature
+    if not is_active(p, PAST):
+        y[PAST] = 0.0
     if not is_active(p, PRESLIDING):
         y[PRESLIDING] = 0.0
 
@@ -111,6 +118,22 @@ def undrawn_supply(p: PositionerParameters, time: float) -> float:
     if p.discrepancy.location == term.SUPPLY and p.discrepancy.variable == term.TIME:
         pressure += interpolate(p.discrepancy, time)
     return pressure
+
+
+def present(table: Discrepancy, current: float, y) -> float:
+    """Return what a change is one of as it is now, in the unit of the state `past`."""
+    if table.variable == term.CURRENT_CHANGE:
+        return current / PAST_CURRENT
+    if table.variable == term.PRESSURE_CHANGE:
+        return y[CHAMBER] / PAST_PRESSURE
+    return y[POSITION] / PAST_POSITION
+
+
+def past_unit(table: Discrepancy) -> float:
+    """Return the unit of the state `past` in that of the variable, A, Pa or m."""
+    if table.variable == term.CURRENT_CHANGE:
+        return PAST_CURRENT
+    return PAST_PRESSURE if table.variable == term.PRESSURE_CHANGE else PAST_POSITION
 
 
 def discrepancy_at(
@@ -134,6 +157,8 @@ def discrepancy_at(
         value = y[VELOCITY]
     elif table.variable == term.BOOSTER_FORCE:
         value = force
+    elif remembers(table):
+        value = past_unit(table) * (present(table, current, y) - y[PAST])
     return interpolate(table, value)
 
 
@@ -219,6 +244,10 @@ def derivatives(
     else:
         rates[CHAMBER] = isothermal_pressure_rate(
             p.actuator, chamber, volume, swept, compliance, delivered - leaked, ambient)
+
+    rates[PAST] = 0.0
+    if remembers(p.discrepancy):
+        rates[PAST] = (present(p.discrepancy, current, y) - y[PAST]) / p.discrepancy.memory
 
     friction = 0.0
     if direction != 0.0:
@@ -311,13 +340,15 @@ class Departure(NamedTuple):
 
     `back_pressure` in Pa; `ep_play` and `position_play` say where in its play the current's and the
     position reading's part stands: share of half the width, -1 to 1; `temperature` in K, by which
-    the chamber's air is warmer than its wall.
+    the chamber's air is warmer than its wall; `past` by how much what a term remembers is above
+    what is, in the unit of that state.
     """
 
     back_pressure: float = 0.0
     ep_play: float = 0.0
     position_play: float = 0.0
     temperature: float = 0.0
+    past: float = 0.0
 
 
 CENTRED = Departure()

@@ -213,7 +213,7 @@ def unknown_term(view: View, term: UnknownTerm) -> Figure:
         axes.plot(at, values, color=AFTER, linewidth=1.6, linestyle=':')
     axes.axhline(0.0, color=NOISE, linewidth=0.8)
     axes.set_ylabel(f'added, {size.unit}')
-    seen = view.states[term.variable] * over.factor if term.variable in view.states else x
+    seen = view.states[term.variable] * over.factor
     below.hist(seen[np.isfinite(seen)], bins=60, range=(x[0], x[-1]), color='#b4c0ca')
     below.set_yticks([])
     below.grid(visible=False)

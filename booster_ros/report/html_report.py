@@ -150,7 +150,7 @@ def _percent(part: float) -> str:
 def _explaining(view: View, name: str) -> str | None:
     """Return the unnamed term's variable, or the one over which the residual is clearest."""
     unknown = view.diagnosis.unknown
-    if unknown is not None and unknown.variable in VARIABLES:
+    if unknown is not None and unknown.variable != 'time':
         return unknown.variable
     states = {variable: view.states[variable] for variable in VARIABLES}
     if view.diagnosis.experiment.quasi_static:

@@ -64,7 +64,7 @@ def _unknown(term: UnknownTerm | None) -> dict[str, Any] | None:
         return None
     return {
         'location': term.location, 'unit': term.unit,
-        'variable': term.variable, 'variable_unit': term.variable_unit,
+        'variable': term.variable, 'variable_unit': term.variable_unit, 'memory': term.memory,
         'at': [float(v) for v in term.knots], 'values': [float(v) for v in term.values],
     }
 

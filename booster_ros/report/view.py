@@ -10,13 +10,15 @@ import numpy as np
 from booster_ros.diagnosis.experiment import UNITS
 from booster_ros.diagnosis.result import Diagnosis
 from booster_ros.diagnosis.segments import rows_of
+from booster_ros.diagnosis.unknown import followed
 from booster_ros.report.engineering import Scale, scale_of
 from booster_ros.report.wording import channel_label
 
 Array = np.ndarray
 
 _UNITS = {**UNITS, 'control_current': 'A', 'time': 's', 'stem_velocity': 'm/s',
-          'booster_force': 'N'}
+          'booster_force': 'N', 'control_current_change': 'A', 'chamber_pressure_change': 'Pa',
+          'valve_position_change': 'm'}
 
 
 @dataclass(frozen=True)
@@ -97,8 +99,12 @@ class View:
     @cached_property
     def states(self) -> dict[str, Array]:
         """What the better model says of everything a residual may depend on, SI."""
-        run = self.diagnosis.experiment.simulate(self.diagnosis.after)
-        return {name: run[name] for name in ('time', *VARIABLES)}
+        experiment, unknown = self.diagnosis.experiment, self.diagnosis.unknown
+        run = experiment.simulate(self.diagnosis.after)
+        states = {name: run[name] for name in ('time', *VARIABLES)}
+        if unknown is not None:
+            states[unknown.variable] = followed(unknown.table, experiment.time, run.columns)
+        return states
 
     def state(self, name: str) -> Array:
         """Return one of the states, in engineering units."""

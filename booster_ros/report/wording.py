@@ -26,6 +26,9 @@ _CHANNELS = {
     'valve_position': 'valve position',
     'stem_velocity': 'stem velocity',
     'booster_force': 'booster force',
+    'control_current_change': 'recent change of the control current',
+    'chamber_pressure_change': 'recent change of the chamber pressure',
+    'valve_position_change': 'recent change of the valve position',
     'time': 'time',
 }
 
@@ -127,9 +130,15 @@ def _sentence_on_unknown(unknown: UnknownTerm) -> str:
     return (
         f'It depends on the {channel_label(unknown.variable)}, was seen from '
         f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
-        f'and reaches {size.text(largest)}. It is in the model as a table that fades to zero '
-        f'outside that range{elsewhere}.'
+        f'and reaches {size.text(largest)}{_memory(unknown)}. It is in the model as a table that '
+        f'fades to zero outside that range{elsewhere}.'
     )
+
+
+def _memory(unknown: UnknownTerm) -> str:
+    if unknown.memory is None:
+        return ''
+    return f'; what was is forgotten over {number(unknown.memory)} s'
 
 
 def unknown_rivals(diagnosis: Diagnosis) -> list[str]:
