@@ -135,7 +135,11 @@ def test_a_term_that_leaves_far_less_than_several_effects_settles_it():
     assert beyond_names([term_over_time], tried(several))
     assert not beyond_names([], tried(several))
     assert not beyond_names([scored((DRIFTING,), 6.0, 6.0, 6.0, 6.0)], tried(several))
-    assert not beyond_names([term_over_time], tried(scored(('ep_drift',), 9.0, 9.0, 9.0, 9.0)))
+    one = tried(scored(('ep_drift',), 9.0, 9.0, 9.0, 9.0))
+    assert not beyond_names([term_over_time], one)
+    assert beyond_names([scored((DRIFTING,), 1.1, 1.1, 1.1, 1.1)], one)
+    nearly = tried(scored(('ep_drift',), 1.2, 1.2, 1.2, 1.2))
+    assert not beyond_names([scored((DRIFTING,), 1.14, 1.14, 1.14, 1.14)], nearly)
 
 
 def test_terms_compete_where_named_effects_leave_much_of_what_was_there():
@@ -143,7 +147,10 @@ def test_terms_compete_where_named_effects_leave_much_of_what_was_there():
     assert not compete(tried(scored(('ep_drift',), 2.0, 2.0, 2.0, 2.0)))  # 1 of 39
     quiet = scored((), 2.0, 2.0, 2.0, 2.0)
     assert compete(Tried(quiet, quiet, (quiet,), {}))
-    assert not compete(Tried(quiet, scored(('ep_drift',), 1.4, 1.4, 1.4, 1.4), (quiet,), {}))
+    for left, parameters, competing in (
+            (1.4, DECLARED, True), (1.1, DECLARED, False), (1.4, STICKING, False)):
+        named = scored(('ep_drift',), left, left, left, left, parameters=parameters)
+        assert compete(Tried(quiet, named, (quiet, named), {})) is competing
 
 
 def test_of_several_effects_nothing_but_noise_is_to_be_left():

@@ -87,14 +87,15 @@ def compete(tried: Tried) -> bool:
     """
     Tell whether the named effects leave so much that terms without a name compete.
 
-    Of several effects no more than noise is to be left: together they bend to what none of them is.
-    But where the stem sticks: friction is idealised.
+    A single effect may leave a small share of what was missing, as the law behind a name is never
+    quite the valve's; several together bend to what none of them is, and leave noise or compete.
+    Not where the stem sticks: friction is more idealised than that.
     """
-    effects = tried.chosen.effects
-    if len(effects) > 1 and not has_dry_friction(tried.chosen.fit.parameters.actuator):
-        return tried.chosen.misfit >= NEAR_NOISE
-    enough = NEAR_NOISE if len(effects) > 1 else WELL_EXPLAINED
-    return tried.chosen.misfit >= enough and not (effects and _leave_less(tried, MOSTLY))
+    chosen = tried.chosen
+    sticks, several = has_dry_friction(chosen.fit.parameters.actuator), len(chosen.effects) > 1
+    enough = NEAR_NOISE if several or (chosen.effects and not sticks) else WELL_EXPLAINED
+    nearly_all = chosen.effects and _leave_less(tried, MOSTLY) and (sticks or not several)
+    return chosen.misfit >= enough and not nearly_all
 
 
 def _leave_less(tried: Tried, share: float) -> bool:
@@ -131,9 +132,17 @@ def preferable(unnamed: Candidate, tried: Tried) -> bool:
 
 
 def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
-    """Tell whether no exchange of named effects is likely to do as well as a term does."""
-    return bool(unnamed) and len(tried.chosen.effects) > 1 and (
-        unnamed[0].misfit < BEYOND * tried.held_out.misfit)
+    """
+    Tell whether no exchange of named effects is likely to do as well as a term does.
+
+    Several are left far behind by it, or it alone leaves noise.
+    """
+    if not unnamed or not tried.chosen.effects:
+        return False
+    term_alone_explains = unnamed[0].misfit < NEAR_NOISE and clearly_better(
+        unnamed[0], tried.held_out)
+    far_behind = unnamed[0].misfit < BEYOND * tried.held_out.misfit
+    return term_alone_explains or (len(tried.chosen.effects) > 1 and far_behind)
 
 
 def over_time(candidate: Candidate) -> bool:
