@@ -25,7 +25,8 @@ from booster_ros.diagnosis.result import ChannelError, UnknownTerm
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.segments import USED
-from booster_ros.diagnosis.selection import Tried, _backward, _taught, compared, named
+from booster_ros.diagnosis.selection import Tried, _backward, compared, named
+from booster_ros.diagnosis.teaching import taught
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
@@ -260,13 +261,13 @@ def test_what_few_select_segments_teach_is_noise_also_where_values_are_missing_u
     experiment = seen(P, current=CURRENT, seed=3)
     search = searching(experiment, ())
     refit = search.refit()
-    assert _taught(search, refit) is not None
+    assert taught(search, refit) is not None
     sparse = next(s for s in search.segments if s.role == 'select')
     for measured in experiment.measured.values():
         measured[sparse.first:sparse.last][np.arange(sparse.last - sparse.first) % 4 > 0] = np.nan
     refit = search.refit()
     assert search.values_held_back().min() < 0.5 * search.values_held_back().max()
-    assert _taught(search, refit) is not None
+    assert taught(search, refit) is not None
 
 
 def too_quiet(experiment, share=0.6):

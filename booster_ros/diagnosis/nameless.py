@@ -13,6 +13,7 @@ from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished
 from booster_ros.diagnosis.segments import USED
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
+from booster_ros.diagnosis.teaching import taught_what_it_missed
 from booster_ros.diagnosis.unknown import (
     UNNAMED, linear_reach, moved, terms, with_free_memory)
 from booster_ros.model import discrepancy as term
@@ -49,9 +50,10 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     """
     Return the best model with a tabulated term, then those that this record cannot tell from it.
 
-    None where named effects explain the record. Of those that score nearly the same the first is
-    the one whose kind comes first in unknown.terms: converters creep and drift more often than
-    supplies sag.
+    None where named effects explain the record. What a term over a state could not learn from the
+    fit segments, the select segments may teach it, as they may a named effect. Of those that score
+    nearly the same the first is the one whose kind comes first in unknown.terms: converters creep
+    and drift more often than supplies sag.
 
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
@@ -64,7 +66,8 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     candidates = []
     for label, joint, z in _likely(search, tried.refit, foreseen):
         fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))  # places differ by little
-        candidates.append(search.rate((UNNAMED + label,), joint, fit))
+        one = search.rate((UNNAMED + label,), joint, fit)
+        candidates.append(one if over_time(one) else taught_what_it_missed(search, one) or one)
     if foreseen:
         candidates = [one for one in candidates
                       if not over_time(one) or one.misfit < FAITHFUL]

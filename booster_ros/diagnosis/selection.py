@@ -28,7 +28,7 @@ named effects, two where the stem sticks. Numbered as carried out:
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import itertools
 
 import numpy as np
@@ -40,6 +40,8 @@ from booster_ros.diagnosis.cascade import seen_from_above, shows_above_the_stem
 from booster_ros.diagnosis.next_effect import FINALISTS, PROMISING, extend
 from booster_ros.diagnosis.rematch import rematch
 from booster_ros.diagnosis.search import FAR_BEHIND, Search
+from booster_ros.diagnosis.teaching import (
+    PLAUSIBLE, fitted_to_noise, taught, taught_what_it_missed)
 from booster_ros.model.actuator import has_dry_friction
 
 Progress = Callable[[str, float], None]
@@ -52,14 +54,8 @@ MOST_BESIDE_STICKING = 2
 NEGLIGIBLE = 2e-3
 """Of the declared model's excess over noise, this share may be what idealising an effect leaves."""
 
-PLAUSIBLE = 12.0
-"""Sum of squared departures of the declared parameters that their priors still allow."""
-
 WELL_EXPLAINED = 1.5
 """Mean square misfit up to which a named effect counts as the whole explanation."""
-
-PATCH = 1.3
-"""Mean square misfit of a single segment up to which it is noise."""
 
 SURE = 40.0
 """
@@ -94,7 +90,7 @@ class Tried:
 def named(search: Search, refit: Candidate, tell: Progress) -> Tried:
     """Carry out steps 2 to 5 of the search: effects are added to the declared model refitted."""
     everything = [refit]
-    noise = refit if _explained(refit, refit) else _taught(search, refit)
+    noise = refit if _explained(refit, refit) else taught(search, refit)
     if noise is None:
         chosen = _added(search, refit, everything, tell)
     else:
@@ -138,10 +134,10 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
             chosen, parent = sharp, sharp if parent is chosen else parent
             if _explained(chosen, refit):
                 break
-            taught = _taught(search, chosen) if chosen is parent else None  # else asked before
-            if taught is not None:
-                everything.append(taught)
-                return taught
+            both = taught(search, chosen) if chosen is parent else None  # else asked before
+            if both is not None:
+                everything.append(both)
+                return both
         ranked = _round(search, parent, level, tell)
         everything += ranked
         adding = _adding(ranked, chosen, refit)
@@ -234,27 +230,7 @@ def _explained(chosen: Candidate, refit: Candidate) -> bool:
     if has_dry_friction(chosen.fit.parameters.actuator) and _idealised(chosen, refit):
         return True
     return chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (
-        bool(chosen.effects) or _fitted_to_noise(chosen))
-
-
-def _fitted_to_noise(chosen: Candidate) -> bool:
-    return chosen.fit.cost < NEAR_NOISE * chosen.problem.rows_counted()
-
-
-def _taught(search: Search, chosen: Candidate) -> Candidate | None:
-    """
-    Return the same model fitted to the select segments as well, if that leaves noise.
-
-    Then these showed what the fit segments could not teach, a limit that none of them reached, say,
-    and nothing is missing. It must be noise in each of them: what shows in few is no noise. Where
-    the stem sticks only if the fit segments are noise already: that fit takes long.
-    """
-    if has_dry_friction(chosen.fit.parameters.actuator) and not _fitted_to_noise(chosen):
-        return None
-    both = search.on_both(chosen, search.thinning)
-    noise = _fitted_to_noise(both) and (
-        both.by_segment <= PATCH * search.values_held_back()).all()
-    return both if noise and both.prior < PLAUSIBLE else None
+        bool(chosen.effects) or fitted_to_noise(chosen))
 
 
 def _all_taught(search: Search, ranked: list[Candidate], everything: list[Candidate]
@@ -262,17 +238,14 @@ def _all_taught(search: Search, ranked: list[Candidate], everything: list[Candid
     """
     Return the models of a round, best first, some of them taught by the select segments as well.
 
-    A model that leaves noise wherever it was fitted may miss a segment that it was not fitted to:
-    the only one that shows how far the booster opens, say. That is no fault of its effect.
+    What was taught counts in place of what was not.
     """
     learnt = []
     for one in ranked:
-        learns = not one.fault and one.misfit > NEAR_NOISE and _fitted_to_noise(one)
-        taught = _taught(search, one) if learns else None
-        if taught is not None:
-            one = replace(taught, confirmed=one.confirmed)
-            everything.append(one)
-        learnt.append(one)
+        better = taught_what_it_missed(search, one)
+        if better is not None:
+            everything.append(better)
+        learnt.append(better or one)
     return preferred_first(learnt)
 
 
