@@ -69,6 +69,12 @@ def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
     return worse.score - better.score, error
 
 
+def explains(fit: Fit, before: Fit, rows: int) -> bool:
+    """Tell whether of two fits to so many values the first explains what matters of the rest."""
+    fall = before.cost - fit.cost
+    return fall > WORTH_ADDING * before.cost and fall > WORTH_EXPLAINING * (before.cost - rows)
+
+
 def clearly_better(better: Candidate, worse: Candidate) -> bool:
     """Tell whether the score falls by more than one standard error and by what matters."""
     fall, error = gain(worse, better)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.candidate import NEAR_NOISE, WORTH_ADDING, Candidate
+from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, explains
 from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
@@ -53,7 +53,7 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
     """
     if unnamed and preferable(unnamed[0], tried):
         last = _term(search, unnamed[0], before)
-        if last.fit.cost < (1.0 - WORTH_ADDING) * before.fit.cost:
+        if explains(last.fit, before.fit, last.problem.rows_counted()):
             return 'unknown', tried, last
         unnamed = []
     if not tried.chosen.effects:

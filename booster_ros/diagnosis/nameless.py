@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import (
-    NEAR_NOISE, TOO_SIMILAR, WORTH_ADDING, Candidate, clearly_better, told_apart)
+    NEAR_NOISE, TOO_SIMILAR, Candidate, clearly_better, explains, told_apart)
 from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.search import EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished
@@ -50,15 +50,15 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     """
     Return the best model with a tabulated term, then those that this record cannot tell from it.
 
-    None where named effects explain the record. What a term over a state could not learn from the
-    fit segments, the select segments may teach it, as they may a named effect. Of those that score
-    nearly the same the first is the one whose kind comes first in unknown.terms: converters creep
-    and drift more often than supplies sag.
+    None where named effects explain the record. Of those that score nearly the same the first is
+    the one whose kind comes first in unknown.terms: converters creep and drift more often than
+    supplies sag. Beside named effects the select segments may teach a term over a state what the
+    fit segments could not, as they may teach those.
 
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
-    Each has to leave less there than the refit, and one over time, which bends to all it is fitted
-    to, near the noise.
+    Each has to explain there what a named effect has to, and one over time, which bends to all it
+    is fitted to, has to leave near the noise.
     """
     if not compete(tried):
         return []
@@ -66,8 +66,10 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     candidates = []
     for label, joint, z in _likely(search, tried.refit, foreseen):
         fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))  # places differ by little
-        one = search.rate((UNNAMED + label,), joint, fit)
-        candidates.append(one if over_time(one) else taught_what_it_missed(search, one) or one)
+        candidates.append(search.rate((UNNAMED + label,), joint, fit))
+    if tried.chosen.effects:
+        candidates = [one if over_time(one) else taught_what_it_missed(search, one) or one
+                      for one in candidates]
     if foreseen:
         candidates = [one for one in candidates
                       if not over_time(one) or one.misfit < FAITHFUL]
@@ -79,7 +81,7 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     refit = search.on_both(tried.refit, search.thinning)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
     together = [one for one in together
-                if one.fit.cost < (1.0 - WORTH_ADDING) * refit.fit.cost]
+                if explains(one.fit, refit.fit, one.problem.rows_counted())]
     together = [one for one in together if not over_time(one)
                 or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
     least = min((one.fit.cost for one in together), default=0.0)
