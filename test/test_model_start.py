@@ -9,6 +9,7 @@ import pytest
 from booster_ros.model.simulation import simulate
 from booster_ros.model.start import start_of_readings
 from booster_ros.model.stream import Stream
+from booster_ros.model.system import CENTRED
 
 TIME = rows(24.0)
 RISE = np.select([TIME < 8.0, TIME < 16.0], [0.9 * PAPER_CURRENT, 0.97 * PAPER_CURRENT],
@@ -62,7 +63,7 @@ def test_where_nothing_is_hidden_readings_are_the_state():
     readings = {'chamber_pressure': 187654.0, 'valve_position': 0.0061}
     state, departure = start_of_readings(positioner(), 0.0, PAPER_CURRENT, readings)
     assert state == readings
-    assert departure == (0.0, 0.0, 0.0, 0.0)
+    assert departure == CENTRED
 
 
 def test_readings_of_one_channel_or_none_will_do():
