@@ -39,8 +39,11 @@ STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_p
 MEMORIES = 10
 
 
-PAST_CURRENT, PAST_PRESSURE, PAST_POSITION = 1e-4, 1e5, 1e-2
-"""Units of the state `past`, A, Pa and m: it is of order one whatever it remembers."""
+# By the variables of a term: the state that each is, or is a change of, -1 where it is none; and
+# the unit of the state `past` in which that is of order one, 0 for no change.
+STATE_OF_VARIABLE = (
+    -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION)
+PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2)
 
 LARGEST_YIELD = 0.5
 """Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
@@ -120,53 +123,41 @@ def undrawn_supply(p: PositionerParameters, time: float) -> float:
     return pressure
 
 
-def present(table: Discrepancy, current: float, y) -> float:
-    """Return what a change is one of as it is now, in the unit of the state `past`."""
-    if table.variable == term.CURRENT_CHANGE:
-        return current / PAST_CURRENT
-    if table.variable == term.PRESSURE_CHANGE:
-        return y[CHAMBER] / PAST_PRESSURE
-    return y[POSITION] / PAST_POSITION
+def present(table: Discrepancy, time: float, current: float, y, force: float) -> float:
+    """Return the variable of a term, of a change what it is one of, as it is now, SI."""
+    if table.variable == term.TIME:
+        return time
+    if table.variable == term.BOOSTER_FORCE:
+        return force
+    state = STATE_OF_VARIABLE[table.variable]
+    return current if state < 0 else y[state]
 
 
-def past_unit(table: Discrepancy) -> float:
-    """Return the unit of the state `past` in that of the variable, A, Pa or m."""
-    if table.variable == term.CURRENT_CHANGE:
-        return PAST_CURRENT
-    return PAST_PRESSURE if table.variable == term.PRESSURE_CHANGE else PAST_POSITION
-
-
-def discrepancy_at(
-    table: Discrepancy, location: int, time: float, current: float, y, force: float
-) -> float:
-    """Return the tabulated term of a component, in that component's unit (see discrepancy)."""
-    if table.location != location:
+def past_of(table: Discrepancy, current: float, y) -> float:
+    """Return the state `past` of a term whose variable has been what it is for long."""
+    if not remembers(table):
         return 0.0
-    value = time
-    if table.variable == term.CONTROL_CURRENT:
-        value = current
-    elif table.variable == term.BACK_PRESSURE:
-        value = y[BACK]
-    elif table.variable == term.SUPPLY_PRESSURE:
-        value = y[SUPPLY]
-    elif table.variable == term.CHAMBER_PRESSURE:
-        value = y[CHAMBER]
-    elif table.variable == term.VALVE_POSITION:
-        value = y[POSITION]
-    elif table.variable == term.STEM_VELOCITY:
-        value = y[VELOCITY]
-    elif table.variable == term.BOOSTER_FORCE:
-        value = force
-    elif remembers(table):
-        value = past_unit(table) * (present(table, current, y) - y[PAST])
-    return interpolate(table, value)
+    return present(table, 0.0, current, y, 0.0) / PAST_UNIT[table.variable]
+
+
+def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: float) -> float:
+    """
+    Return the tabulated term, in the unit of the component that it is in (see discrepancy).
+
+    Callers ask first whether it is in theirs: handing the table over costs more than the question,
+    and nearly always there is none.
+    """
+    past = PAST_UNIT[table.variable] * y[PAST]
+    return interpolate(table, present(table, time, current, y, force) - past)
 
 
 def booster_force(p: PositionerParameters, time: float, current: float, y) -> float:
     """Return the force that opens the booster's seats, N."""
     outlet = y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
     force = diaphragm_force(p.booster, y[BACK], outlet, y[SUPPLY])
-    return force + discrepancy_at(p.discrepancy, term.BOOSTER, time, current, y, force)
+    if p.discrepancy.location == term.BOOSTER:
+        force += discrepancy_at(p.discrepancy, time, current, y, force)
+    return force
 
 
 def chamber_space(p: PositionerParameters, pressure: float, position: float
@@ -188,7 +179,9 @@ def chamber_space(p: PositionerParameters, pressure: float, position: float
 
 def net_stem_force(p: PositionerParameters, time: float, current: float, y) -> float:
     """Return the force on the stem except dry friction, N, positive towards open."""
-    extra = discrepancy_at(p.discrepancy, term.STEM, time, current, y, 0.0)
+    extra = 0.0
+    if p.discrepancy.location == term.STEM:
+        extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
     return stem_force(p.actuator, y[CHAMBER], y[POSITION], y[VELOCITY], extra)
 
 
@@ -205,7 +198,9 @@ def derivatives(
     chamber = y[CHAMBER]
     gas_temperature = y[TEMPERATURE] if p.actuator.thermal_resistance > 0.0 else ambient
 
-    extra = discrepancy_at(p.discrepancy, term.EP_CONVERTER, time, current, y, 0.0)
+    extra = 0.0
+    if p.discrepancy.location == term.EP_CONVERTER:
+        extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
     settled = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
     rates[BACK] = back_pressure_rate(p.ep_converter, y[BACK], settled)
 
@@ -230,7 +225,9 @@ def derivatives(
         delivered = tube_flow(p.tubing, outlet, chamber, ambient, gas_temperature)
         rates[OUTLET] = outlet_pressure_rate(p.tubing, into - out, delivered, ambient)
 
-    extra = discrepancy_at(p.discrepancy, term.CHAMBER, time, current, y, force)
+    extra = 0.0
+    if p.discrepancy.location == term.CHAMBER:
+        extra = discrepancy_at(p.discrepancy, time, current, y, force)
     leaked = leak_flow(p.actuator, chamber, gas_temperature, ambient, extra)
     volume, area, compliance = chamber_space(p, chamber, y[POSITION])
     swept = area * y[VELOCITY]
@@ -247,7 +244,8 @@ def derivatives(
 
     rates[PAST] = 0.0
     if remembers(p.discrepancy):
-        rates[PAST] = (present(p.discrepancy, current, y) - y[PAST]) / p.discrepancy.memory
+        now = past_of(p.discrepancy, current, y)
+        rates[PAST] = (now - y[PAST]) / p.discrepancy.memory
 
     friction = 0.0
     if direction != 0.0:
@@ -381,8 +379,10 @@ def readings(
     """Return what the sensors read: Pa gauge, m; `force` is the booster's, N."""
     pressure = pressure_reading(p.sensors, memory[LAGGED_PRESSURE])
     position = position_reading(p.sensors, memory[LAGGED_POSITION])
-    pressure += discrepancy_at(p.discrepancy, term.PRESSURE_SENSOR, time, seen, y, force)
-    position += discrepancy_at(p.discrepancy, term.POSITION_SENSOR, time, seen, y, force)
+    if p.discrepancy.location == term.PRESSURE_SENSOR:
+        pressure += discrepancy_at(p.discrepancy, time, seen, y, force)
+    if p.discrepancy.location == term.POSITION_SENSOR:
+        position += discrepancy_at(p.discrepancy, time, seen, y, force)
     return pressure, position
 
 
