@@ -10,6 +10,8 @@ in each segment then; the locked part stays closed.
 
 from dataclasses import replace
 
+import numpy as np
+
 from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate
 from booster_ros.diagnosis.search import Search
 from booster_ros.model.actuator import has_dry_friction
@@ -38,7 +40,13 @@ def taught(search: Search, candidate: Candidate) -> Candidate | None:
     both = search.on_both(candidate, search.thinning)
     noise = fitted_to_noise(both) and (
         both.by_segment <= PATCH * search.values_held_back()).all()
-    return both if noise and both.prior < PLAUSIBLE else None
+    return both if noise and _departures(both) < PLAUSIBLE else None
+
+
+def _departures(candidate: Candidate) -> float:
+    """Return the sum of squared departures of the declared parameters, whatever a table holds."""
+    return sum((z / free.sigma)**2 for z, free in zip(candidate.fit.z, candidate.fit.freedoms)
+               if np.isfinite(free.sigma) and free.knob.parameter != 'discrepancy.values')
 
 
 def taught_what_it_missed(search: Search, candidate: Candidate) -> Candidate | None:
