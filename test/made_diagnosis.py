@@ -116,8 +116,7 @@ def nothing_found():
 
 def unknown_found():
     """Return a diagnosis that has found a bent spring without a name for it."""
-    effect = FoundEffect('unknown', 'stem', {}, (), 'vary valve_position alone',
-                         {'misfit_with': 1.1})
+    effect = FoundEffect('unknown', 'stem', {}, (), '', {'misfit_with': 1.1})
     return diagnosis_of(timed_columns(BENT), 'unknown', BENT, (effect,), TERM)
 
 

@@ -8,6 +8,7 @@ import json
 import re
 
 from made_diagnosis import (
+    BENT,
     FRICTION,
     STICKING,
     diagnosis_of,
@@ -191,6 +192,20 @@ def test_an_unnamed_term_over_time_is_not_to_be_varied():
     assert elsewhere not in Page(html_page(diagnosis, FROM)).text
 
 
+def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step():
+    table = BENT.discrepancy._replace(
+        variable=discrepancy.POSITION_CHANGE, low=-0.008, high=0.008, memory=12.0)
+    creeping = BENT._replace(discrepancy=table)
+    diagnosis = replace(unknown_found(), after=creeping, unknown=UnknownTerm(table))
+    page = Page(html_page(diagnosis, FROM))
+    assert 'depends on the recent change of the valve position' in page.text
+    assert 'what was is forgotten over 12.0 s' in page.text
+    assert 'make one step and let it stand ten times 12.0 s' in page.text
+    assert 'recent change of the valve position, mm' in page.texts
+    assert json.loads(json_text(diagnosis, FROM))['unknown']['memory'] == 12.0
+    assert json.loads(json_text(unknown_found(), FROM))['unknown']['memory'] is None
+
+
 def test_a_page_is_the_same_when_made_again():
     diagnosis = friction_found()
     assert html_page(diagnosis, FROM) == html_page(diagnosis, FROM)
@@ -242,7 +257,9 @@ def test_json_holds_what_others_rely_on(made):
         assert effect['name'] == found.name
         assert effect['location'] == found.location
         assert effect['confused_with'] == list(found.confused_with)
-        assert effect['separating_experiment'] == found.separating_experiment
+        expected = 'vary the valve position alone' if diagnosis.unknown else (
+            found.separating_experiment)
+        assert effect['separating_experiment'].startswith(expected)
         for name, interval in found.parameters.items():
             assert effect['parameters'][name] == {
                 'value': interval.value, 'low': interval.low, 'high': interval.high,

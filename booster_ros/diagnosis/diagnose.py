@@ -86,10 +86,15 @@ def _check_parts(experiment: Experiment, segments: list[Segment]) -> None:
 
 def _sought(search: Search, refit: Candidate, tell: Progress) -> tuple[Tried, list[Candidate]]:
     """Return the models with named effects, and the terms without a name that compete with them."""
-    first = named(search, refit, tell)
-    tell('looking for a discrepancy without a name', 0.65)
-    unnamed = best_terms(search, first)
-    if beyond_names(unnamed, first):
+    unnamed: list[Candidate] = []
+
+    def beyond(tried: Tried) -> bool:
+        tell('looking for a discrepancy without a name', 0.65)
+        unnamed[:] = best_terms(search, tried)
+        return beyond_names(unnamed, tried)
+
+    first = named(search, refit, tell, beyond)
+    if beyond_names(unnamed, first) or beyond(first):
         return first, unnamed
     tried = compared(search, first, tell)
     if not unnamed or set(tried.chosen.effects) != set(first.chosen.effects):
@@ -241,8 +246,7 @@ def _found_unknown(alike: list[Candidate], after: Fit
     place = place_of(unknown.table.location)
     effect = FoundEffect(
         'unknown', place, {}, tuple(one.effects[0].removeprefix(UNNAMED) for one in alike[1:]),
-        f'vary {unknown.variable} alone, with the channels on both sides of {place} recorded',
-        {'misfit_with': alike[0].misfit})
+        '', {'misfit_with': alike[0].misfit})
     return (effect,), unknown
 
 

@@ -27,7 +27,11 @@ class Interval:
 
 @dataclass(frozen=True)
 class FoundEffect:
-    """An effect that the model lacked; `location` is where it is born."""
+    """
+    An effect that the model lacked; `location` is where it is born.
+
+    The experiment that separates it is the catalogue's, none where it has no name.
+    """
 
     name: str
     location: str

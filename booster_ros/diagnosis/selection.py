@@ -23,7 +23,8 @@ named effects, two where the stem sticks. Numbered as carried out:
    called for, models that leave noise on the fit segments learn from the select segments what
    those alone show, and count with that;
 6. try every other effect in the place of each of several, then leave each out again; not where a
-   term without a name leaves far less than all of them together (see nameless);
+   term without a name leaves far less than all of them together (see nameless), nor is a third
+   effect looked for there;
 7. models near the choice are fitted to every row and compared once more (see rematch).
 """
 
@@ -87,12 +88,17 @@ class Tried:
         return min(same, key=lambda one: (one.learnt, one.score))
 
 
-def named(search: Search, refit: Candidate, tell: Progress) -> Tried:
-    """Carry out steps 2 to 5 of the search: effects are added to the declared model refitted."""
+def named(search: Search, refit: Candidate, tell: Progress,
+          beyond: Callable[[Tried], bool] = lambda tried: False) -> Tried:
+    """
+    Carry out steps 2 to 5 of the search: effects are added to the declared model refitted.
+
+    `beyond` is asked before a third one is looked for, and tells whether that would be in vain.
+    """
     everything = [refit]
     noise = refit if _explained(refit, refit) else taught(search, refit)
     if noise is None:
-        chosen = _added(search, refit, everything, tell)
+        chosen = _added(search, refit, everything, tell, beyond)
     else:
         chosen = _faint(search, refit, noise, 0, everything, tell)
     return _tried(refit, chosen, everything)
@@ -119,8 +125,8 @@ def _tried(refit: Candidate, chosen: Candidate, everything: list[Candidate]) -> 
     return Tried(refit, chosen, tuple(everything), reasons)
 
 
-def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: Progress
-           ) -> Candidate:
+def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: Progress,
+           beyond: Callable[[Tried], bool]) -> Candidate:
     """Return the model with effects added, one by one, as long as that is called for."""
     chosen = parent = refit
     for level in range(MOST_EFFECTS):
@@ -138,6 +144,8 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
             if both is not None:
                 everything.append(both)
                 return both
+        if level == MOST_EFFECTS - 1 and beyond(_tried(refit, chosen, everything)):
+            break
         ranked = _round(search, parent, level, tell)
         everything += ranked
         adding = _adding(ranked, chosen, refit)

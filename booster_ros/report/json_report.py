@@ -10,7 +10,8 @@ from typing import Any
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.result import ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm
 from booster_ros.report.provenance import Provenance
-from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
+from booster_ros.report.wording import (
+    SCALING, unknown_experiment, verdict_sentences, verdict_title)
 
 
 def json_text(diagnosis: Diagnosis, provenance: Provenance) -> str:
@@ -24,7 +25,7 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
     return {
         'verdict': diagnosis.verdict,
         'summary': ' '.join([f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis)]),
-        'effects': [_effect(effect) for effect in diagnosis.effects],
+        'effects': [_effect(effect, diagnosis.unknown) for effect in diagnosis.effects],
         'unknown': _unknown(diagnosis.unknown),
         'error': _errors(diagnosis.error),
         'held_out': _errors(diagnosis.held_out),
@@ -46,7 +47,8 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
     }
 
 
-def _effect(effect: FoundEffect) -> dict[str, Any]:
+def _effect(effect: FoundEffect, unknown: UnknownTerm | None) -> dict[str, Any]:
+    experiment = unknown_experiment(unknown) if unknown else effect.separating_experiment
     return {
         'name': effect.name,
         'location': effect.location,
@@ -54,7 +56,7 @@ def _effect(effect: FoundEffect) -> dict[str, Any]:
             name: {'value': i.value, 'low': i.low, 'high': i.high, 'unit': i.unit}
             for name, i in effect.parameters.items()},
         'confused_with': list(effect.confused_with),
-        'separating_experiment': effect.separating_experiment,
+        'separating_experiment': experiment,
         'evidence': dict(effect.evidence),
     }
 

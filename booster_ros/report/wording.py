@@ -153,8 +153,11 @@ def unknown_experiment(unknown: UnknownTerm) -> str:
     if unknown.variable == 'time':
         return ('record the same currents again, at another hour: what stays with the clock comes '
                 'from outside, what stays with the currents from the valve')
-    return (f'vary the {channel_label(unknown.variable)} alone, with the channels on both sides of '
-            f'{place_label(unknown.location)} recorded')
+    there = f'with the channels on both sides of {place_label(unknown.location)} recorded'
+    if unknown.memory is not None:
+        return (f'make one step and let it stand ten times {number(unknown.memory)} s, {there}: '
+                'what creeps goes on where all else has settled')
+    return f'vary the {channel_label(unknown.variable)} alone, {there}'
 
 
 def _gain(diagnosis: Diagnosis) -> str:
