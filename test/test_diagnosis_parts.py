@@ -10,7 +10,7 @@ from made_search import CURRENT, P, TIME, searching, seen, steps_seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis import selection
+from booster_ros.diagnosis import diagnose, selection
 from booster_ros.diagnosis.candidate import NEAR_NOISE
 from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.diagnose import doubts
@@ -53,12 +53,12 @@ def test_a_converter_that_starts_at_the_edge_of_its_play_is_found_there():
     assert fit.cost < 1.1 * free.rows_counted()
 
 
-def test_a_start_without_play_or_warmth_costs_no_simulation_and_stays_free_of_data():
+def test_a_start_without_play_warmth_or_past_costs_no_simulation_and_stays_free_of_data():
     experiment = seen(P)
     problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P, experiment)))
-    places = problem.at(problem.start()).jacobian[:, -3:]
-    assert np.count_nonzero(places) == 3
-    assert np.abs(places[-3:]) == pytest.approx(np.diag(1.0 / START[-3:]))
+    places = problem.at(problem.start()).jacobian[:, -4:]
+    assert np.count_nonzero(places) == 4
+    assert np.abs(places[-4:]) == pytest.approx(np.diag(1.0 / START[-4:]))
 
 
 def test_play_of_the_position_reading_starts_where_it_was_left():
@@ -287,6 +287,52 @@ def test_where_scores_are_alike_the_plainest_effect_that_is_called_for_is_added(
     rounds = itertools.chain([[short, enough, further]], itertools.repeat([]))
     monkeypatch.setattr(selection, '_round', lambda *_, **__: next(rounds))
     assert named(search, missing, lambda *_: None).chosen is enough
+
+
+@pytest.mark.parametrize('in_vain', [True, False])
+def test_a_third_effect_is_not_sought_where_that_is_in_vain(in_vain, monkeypatch):
+    search = searching(too_quiet(seen(P)), ())
+    refit = search.refit()
+    missing, first, second = (
+        replace(refit, effects=effects, by_segment=times * refit.by_segment)
+        for effects, times in (((), 9.0), (('dead_time',), 5.0),
+                               (('dead_time', 'chamber_leak'), 3.0)))
+    rounds = iter([[first], [second], []])
+    monkeypatch.setattr(selection, '_round', lambda *_, **__: next(rounds))
+    asked = []
+
+    def beyond(tried):
+        asked.append(tried.chosen.effects)
+        return in_vain
+
+    assert named(search, missing, lambda *_: None, beyond).chosen is second
+    assert asked == [second.effects]
+    assert len(list(rounds)) == in_vain
+
+
+def test_terms_without_a_name_are_fitted_once_beside_a_choice(monkeypatch):
+    search = searching(too_quiet(seen(P)), ())
+    refit = search.refit()
+    first, second = (Tried(refit, replace(refit, effects=(name,)), (refit,), {})
+                     for name in ('dead_time', 'chamber_leak'))
+    fitted = []
+
+    def best_terms_of(_, tried):
+        fitted.append(tried.chosen.effects[0])
+        return [refit]
+
+    monkeypatch.setattr(diagnose, 'best_terms', best_terms_of)
+    monkeypatch.setattr(diagnose, 'beyond_names', lambda *_: True)
+    for asked, end, expected in (
+            (first, first, ['dead_time']), (first, second, ['dead_time', 'chamber_leak'])):
+        def named_with(_search, _refit, _tell, beyond, asked=asked, end=end):
+            beyond(asked)
+            return end
+
+        monkeypatch.setattr(diagnose, 'named', named_with)
+        fitted.clear()
+        assert diagnose._sought(search, refit, lambda *_: None) == (end, [refit])
+        assert fitted == expected
 
 
 def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():

@@ -44,7 +44,9 @@ def test_defaults_are_the_declared_positioner():
 
 def test_values_and_parameters_are_inverse():
     changed = {'booster.orifice_law': 'isentropic', 'actuator.bench_set': [1e5, 2e5],
-               'supply.pressure': 500_000, 'discrepancy.values': [0.5] * 12}
+               'supply.pressure': 500_000, 'discrepancy.values': [0.5] * 12,
+               'discrepancy.location': 'ep_converter', 'discrepancy.memory': 12.5,
+               'discrepancy.variable': 'control_current_change'}
     parameters = from_values(changed)
     assert from_values(to_values(parameters)) == parameters
     values = to_values(parameters)

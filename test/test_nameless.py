@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import free_to_refit
-from booster_ros.diagnosis.candidate import Candidate, clearly_better, why_dropped
+from booster_ros.diagnosis.candidate import Candidate, clearly_better, explains, why_dropped
 from booster_ros.diagnosis.diagnose import _best_without
 from booster_ros.diagnosis.experiment import rmse
 from booster_ros.diagnosis.fit import Fit, Problem
@@ -122,6 +122,17 @@ def test_what_is_held_out_is_the_best_fit_that_did_not_learn_from_it():
     taught = replace(scored(('stem_friction',), 1.0, 1.0, 1.0, 1.0), learnt=True)
     for order in ((stuck, taught, found), (taught, found, stuck)):
         assert Tried(stuck, taught, order, {}).held_out is found
+
+
+@pytest.mark.parametrize(('before', 'after', 'explained'), [
+    (3000.0, 2350.0, True),  # a third of the 2000 that noise does not cost
+    (3000.0, 2450.0, False),
+    (1000.0, 940.0, True), (1000.0, 960.0, False),  # where all is noise: a twentieth
+])
+def test_what_is_added_has_to_explain_what_matters(before, after, explained):
+    without, with_it = (
+        Fit((), np.zeros(0), DECLARED, None, cost, np.zeros((0, 0))) for cost in (before, after))
+    assert explains(with_it, without, SAMPLES) is explained
 
 
 def test_where_no_name_was_found_a_term_is_the_verdict():

@@ -70,7 +70,12 @@ def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
 
 
 def explains(fit: Fit, before: Fit, rows: int) -> bool:
-    """Tell whether of two fits to so many values the first explains what matters of the rest."""
+    """
+    Tell whether the first of two fits explains what matters of what the other leaves.
+
+    `rows` are the values of all channels that both are fitted to, which is what noise alone costs.
+    It matters by WORTH_ADDING of the cost, and WORTH_EXPLAINING of what is above noise.
+    """
     fall = before.cost - fit.cost
     return fall > WORTH_ADDING * before.cost and fall > WORTH_EXPLAINING * (before.cost - rows)
 

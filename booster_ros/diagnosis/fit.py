@@ -49,7 +49,7 @@ SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Spread of the start around the experiment's: pressure in 100 Pa, back pressure in 500 Pa, places
-in the two plays, warmth of the chamber's air in 10 K, what was of late in 0.3 of its unit."""
+in the two plays, warmth of the chamber's air in 10 K, what was of late in 0.3 units of `past`."""
 
 START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
 

@@ -4,7 +4,7 @@
 The models of a verdict fitted to all but the locked part, and what of them that part still shows.
 
 What was chosen on the select segments is fitted to them as well, and has to stand there: a term
-without a name has to lower the error of all rows, an effect has to be told from none by them.
+without a name has to explain what matters of all rows, an effect has to be told from none by them.
 """
 
 from dataclasses import dataclass, field, replace

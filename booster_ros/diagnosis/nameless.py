@@ -22,7 +22,10 @@ from booster_ros.model.actuator import has_dry_friction
 Array = np.ndarray
 
 MOSTLY = 0.03
-"""Share of the declared model's excess over noise below which no nameless term competes."""
+"""
+Share of the declared model's excess over noise below which no nameless term competes with a single
+name, nor with several where the stem sticks.
+"""
 
 FORESEEN = 0.2
 """
@@ -53,7 +56,8 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     None where named effects explain the record. Of those that score nearly the same the first is
     the one whose kind comes first in unknown.terms: converters creep and drift more often than
     supplies sag. Beside named effects the select segments may teach a term over a state what the
-    fit segments could not, as they may teach those.
+    fit segments could not, as they may teach those: names that compete here left more than noise
+    where they were fitted, or still did when taught.
 
     Where no named effect helps and much is left, noise is no explanation either: then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
@@ -94,7 +98,8 @@ def compete(tried: Tried) -> bool:
 
     A single effect may leave a small share of what was missing, as the law behind a name is never
     quite the valve's; several together bend to what none of them is, and leave noise or compete.
-    Not where the stem sticks: friction is more idealised than that.
+    Friction is idealised, so where the stem sticks several may leave that share too, and a single
+    one WELL_EXPLAINED, which is what the declared model may where nothing was chosen.
     """
     chosen = tried.chosen
     sticks, several = has_dry_friction(chosen.fit.parameters.actuator), len(chosen.effects) > 1
@@ -177,13 +182,15 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
 
     Linear reckoning ranks them badly where a stem sits on its seat until it jumps, or where the
     refit of the declared parameters has gone far to imitate what is missing. So the first steps of
-    a fit decide; of terms that rank badly they are from the parameters as given.
+    a fit decide; of terms that rank badly they are from the parameters as given. Rows of a sweep
+    are no time in which anything could be forgotten.
     """
     experiment, thin = search.experiment, refit.problem
     still = np.ptp(experiment.current) == 0.0 and all(
         np.ptp(drive) == 0.0 for drive in experiment.pinned.values())
     likely = [one for one in terms(experiment.channels) if one.place in search.places
-              and not (foreseen and still and one.variable == term.TIME)]
+              and not (foreseen and still and one.variable == term.TIME)
+              and not (experiment.quasi_static and one.variable in term.CHANGE_OF)]
     seen, _ = search.rows_and_experiment(USED, search.thinning)
     reference = thin.at(refit.fit.z)
     reached: dict[str, tuple[float, Array, Array, Problem]] = {}

@@ -22,10 +22,11 @@ named effects, two where the stem sticks. Numbered as carried out:
    thinned rows must be left on every row before a next one is looked for. Where no effect is
    called for, models that leave noise on the fit segments learn from the select segments what
    those alone show, and count with that;
-6. try every other effect in the place of each of several, then leave each out again; not where a
-   term without a name leaves far less than all of them together (see nameless), nor is a third
-   effect looked for there;
+6. try every other effect in the place of each of several, then leave each out again;
 7. models near the choice are fitted to every row and compared once more (see rematch).
+
+Where a term without a name alone leaves noise and does clearly better, or far less than several
+effects together, no third is looked for, and steps 6 and 7 fall away (see nameless).
 """
 
 from collections.abc import Callable
@@ -56,7 +57,10 @@ NEGLIGIBLE = 2e-3
 """Of the declared model's excess over noise, this share may be what idealising an effect leaves."""
 
 WELL_EXPLAINED = 1.5
-"""Mean square misfit up to which a named effect counts as the whole explanation."""
+"""
+Mean square misfit up to which noise could be all there is: where nothing was chosen, or friction is
+idealised.
+"""
 
 SURE = 40.0
 """

@@ -22,6 +22,7 @@ from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy, covered
 from booster_ros.model.sensors import lagged
+from booster_ros.model.system import PAST_UNIT
 
 Array = np.ndarray
 
@@ -42,8 +43,8 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
 )
 
-MEMORIES = (3.0, 12.0, 48.0)
-"""Times of memory that are tried, s: those between are near enough for a fit to go on from."""
+TIMES_OF_MEMORY = (3.0, 12.0, 48.0)
+"""Times of memory of a change that are tried, s: a fit goes on from the nearest."""
 
 LONGER = 1.5
 """What a fitted memory may come to be longer by before the table ends too early."""
@@ -75,7 +76,7 @@ class Term:
     location: int
     variable: int
     size: float
-    memory: float = MEMORIES[0]
+    memory: float = Discrepancy().memory
 
     @property
     def place(self) -> str:
@@ -103,25 +104,30 @@ def terms(channels: tuple[str, ...]) -> list[Term]:
         absent |= {term.POSITION_SENSOR, term.STEM}
     return [Term(location, variable, size, memory) for location, size, variables in _TERMS
             for variable in variables if location not in absent
-            for memory in (MEMORIES if variable in term.CHANGE_OF else MEMORIES[:1])]
+            for memory in (
+                TIMES_OF_MEMORY if variable in term.CHANGE_OF else (Discrepancy().memory,))]
 
 
-def followed(table: Discrepancy, time: Array, columns: Mapping[str, Array]) -> Array:
+def followed(table: Discrepancy, time: Array, columns: Mapping[str, Array], past: float = 0.0
+             ) -> Array:
     """
     Return the variable of a term over time (s), shape (n,).
 
-    `columns` are channels of a run or a record; what a change is one of must be among them.
+    `columns` are channels of a run or a record; what a change is one of must be among them. `past`
+    is that of the start's `Departure`. Of a change of the current that is the one given, which a
+    dead time or a hysteresis hides from the model for a while.
     """
     if table.variable not in term.CHANGE_OF:
         return columns[term.VARIABLES[table.variable]]
     now = columns[term.VARIABLES[term.CHANGE_OF[table.variable]]]
-    past = np.empty(len(now))
-    past[0] = now[0]
+    remembered = np.empty(len(now))
+    remembered[0] = now[0] + past * PAST_UNIT[table.variable]
+    stands = table.variable == term.CURRENT_CHANGE  # a command stands until the next
     for k in range(1, len(now)):
-        step = time[k] - time[k - 1]
-        past[k] = lagged(past[k - 1], now[k - 1], now[k], table.memory, step) if step > 0.0 else (
-            past[k - 1])
-    return now - past
+        step, end = time[k] - time[k - 1], now[k - 1] if stands else now[k]
+        remembered[k] = remembered[k - 1] if step <= 0.0 else lagged(
+            remembered[k - 1], now[k - 1], end, table.memory, step)
+    return now - remembered
 
 
 def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
@@ -134,7 +140,8 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     range is that of a longer memory, as a fit may find one.
     """
     empty = Discrepancy(one.location, one.variable, memory=one.memory)
-    values = _course(problem.experiment, reference, empty._replace(memory=LONGER * one.memory))
+    longer = empty._replace(memory=LONGER * one.memory)
+    values = _course(problem.experiment, reference, longer, seen)
     low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
     table = empty._replace(low=float(low - spacing), high=float(high + spacing))
@@ -145,14 +152,19 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
                    problem.freedoms + values_free)
 
 
-def _course(experiment: Experiment, reference: Fit, table: Discrepancy) -> Array:
-    """Return the variable of a term as measured; as simulated where it was not, or not always."""
+def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
+    """
+    Return the variable of a term as measured, as simulated where those rows have none.
+
+    What a change is one of goes straight on across a gap.
+    """
     name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
     values = experiment.measured.get(name)
-    gaps = values is None or not np.isfinite(values).any() or (
-        table.variable in term.CHANGE_OF and not np.isfinite(values).all())
-    if gaps:
+    if values is None or not np.isfinite(values[seen]).any():
         values = experiment.simulate(reference.parameters, reference.initial)[name]
+    elif table.variable in term.CHANGE_OF:
+        known = np.isfinite(values)
+        values = np.interp(experiment.time, experiment.time[known], values[known])
     return followed(table, experiment.time, {name: np.asarray(values)})
 
 

@@ -17,6 +17,7 @@ LOCATION_UNITS = ('-', 'Pa', 'N', 'Pa', 'kg/s', 'N', 'Pa', 'm', 'm^3')
 NONE, EP_CONVERTER, BOOSTER, SUPPLY, CHAMBER, STEM, PRESSURE_SENSOR, POSITION_SENSOR, \
     CHAMBER_VOLUME = range(9)
 
+# Changes come last: compiled code tells them by their number (`remembers`).
 VARIABLES = ('time', 'control_current', 'back_pressure', 'supply_pressure', 'chamber_pressure',
              'valve_position', 'stem_velocity', 'booster_force', 'control_current_change',
              'chamber_pressure_change', 'valve_position_change')
@@ -54,7 +55,8 @@ class Discrepancy(NamedTuple):
         'unit of the variable', 'from the last value but one to the last; 0: as to any other',
         0.0, 1e9)] = 0.0
     memory: Annotated[float, Quantity(
-        's', 'of a change: time in which 63 % of what was is forgotten', 1e-2, 1e6)] = 10.0
+        's', 'of a change, else ignored: time in which 63 % of what was is forgotten',
+        1e-2, 1e6)] = 10.0
 
 
 def remembers(table: Discrepancy) -> bool:

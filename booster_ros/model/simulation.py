@@ -13,7 +13,7 @@ from .solver import new_workspace
 from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
     CENTRED, MEMORIES, PAST, STANDING, Departure, Outputs, PositionerParameters, booster_force,
-    hold_inactive_states, observe, past_of, readings, start_memory)
+    hold_inactive_states, observe, settled_past, readings, start_memory)
 
 DEFAULT_STEP = 1e-3
 """Interval of the stepping plant, s."""
@@ -43,14 +43,18 @@ class Plant:
 
     @property
     def parameters(self) -> PositionerParameters:
-        """The physical parameters; setting them keeps pressures, position and velocity."""
+        """
+        The physical parameters; setting them keeps pressures, position and velocity.
+
+        What a term remembers as well, unless the new one follows something else.
+        """
         return self._parameters
 
     @parameters.setter
     def parameters(self, parameters: PositionerParameters) -> None:
         table, before = parameters.discrepancy, self._parameters.discrepancy
         if (table.location, table.variable) != (before.location, before.variable):
-            self._y[PAST] = past_of(table, self._seen, self._y)  # as if it had always been so
+            self._y[PAST] = settled_past(table, self._seen, self._y)  # as if at rest for long
         self._parameters = parameters
         self._active = active_states(parameters)
         self._memory[STANDING] = math.nan  # a step ahead was for other parameters

@@ -17,7 +17,7 @@ from .supply import set_pressure
 from .system import (
     BACK, CENTRED, CHAMBER, MEMORIES, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES,
     SUPPLY, TEMPERATURE, Departure, Outputs, PositionerParameters, discrepancy_at, held_force,
-    hold_inactive_states, is_active, past_of, start_current, start_memory)
+    hold_inactive_states, is_active, settled_past, start_current, start_memory)
 
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""
@@ -44,7 +44,7 @@ def settled_state(
     y[POSITION] = (
         balance_position(p.actuator, chamber_pressure) if valve_position is None
         else valve_position)
-    y[PAST] = past_of(p.discrepancy, current, y)
+    y[PAST] = settled_past(p.discrepancy, current, y)
     hold_inactive_states(p, time, y, ())
     extra = 0.0
     if p.discrepancy.location == EP_CONVERTER:

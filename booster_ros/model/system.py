@@ -133,7 +133,7 @@ def present(table: Discrepancy, time: float, current: float, y, force: float) ->
     return current if state < 0 else y[state]
 
 
-def past_of(table: Discrepancy, current: float, y) -> float:
+def settled_past(table: Discrepancy, current: float, y) -> float:
     """Return the state `past` of a term whose variable has been what it is for long."""
     if not remembers(table):
         return 0.0
@@ -244,8 +244,8 @@ def derivatives(
 
     rates[PAST] = 0.0
     if remembers(p.discrepancy):
-        now = past_of(p.discrepancy, current, y)
-        rates[PAST] = (now - y[PAST]) / p.discrepancy.memory
+        settled_at = settled_past(p.discrepancy, current, y)
+        rates[PAST] = (settled_at - y[PAST]) / p.discrepancy.memory
 
     friction = 0.0
     if direction != 0.0:
@@ -339,7 +339,7 @@ class Departure(NamedTuple):
     `back_pressure` in Pa; `ep_play` and `position_play` say where in its play the current's and the
     position reading's part stands: share of half the width, -1 to 1; `temperature` in K, by which
     the chamber's air is warmer than its wall; `past` by how much what a term remembers is above
-    what is, in the unit of that state.
+    what is, in the unit of that state (PAST_UNIT: 0.1 mA, 1 bar, 10 mm).
     """
 
     back_pressure: float = 0.0

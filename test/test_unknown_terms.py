@@ -1,0 +1,136 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Terms without a name: which are tried on a record, and over what range a table is laid."""
+
+from dataclasses import replace
+
+from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
+from made_search import P, TIME, searching, seen
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis import nameless
+from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.freedom import declared_freedom
+from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.segments import USED
+from booster_ros.diagnosis.selection import Tried
+from booster_ros.diagnosis.teaching import taught
+from booster_ros.diagnosis.unknown import UNNAMED, followed, terms, with_term
+from booster_ros.model.discrepancy import (
+    CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, STEM, VARIABLES, Discrepancy, covered, remembers)
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import PAST_UNIT, Departure
+
+CHANGING = 'stem over valve_position_change'
+CREEPING = Discrepancy(EP_CONVERTER, CURRENT_CHANGE, -1e-4, 1e-4, tuple(np.linspace(-5e3, 5e3, 12)),
+                       memory=4.0)
+
+
+def table_of(experiment: Experiment, label: str, rows=None, memory: float = 12.0) -> Discrepancy:
+    """Return the table that a term is to be fitted with, on these rows."""
+    seen_rows = np.ones(len(experiment.time), dtype=bool) if rows is None else rows
+    problem = Problem(experiment, seen_rows, P, tuple(declared_freedom(P, experiment)))
+    one = next(t for t in terms(experiment.channels) if t.label == label)
+    return with_term(problem, problem.at(problem.start()),
+                     replace(one, memory=memory if 'change' in label else one.memory),
+                     seen_rows).base.discrepancy
+
+
+def wider(gaps=()) -> Experiment:
+    """Return an experiment in which the stem went twice as far as the declared one would."""
+    plant = P._replace(actuator=P.actuator._replace(bench_set=(160e3, 235e3)))
+    experiment = seen(plant)
+    experiment.measured['valve_position'][list(gaps)] = np.nan
+    return experiment
+
+
+def test_a_missing_value_costs_no_range_of_a_change():
+    whole, broken = (table_of(wider(gaps), CHANGING) for gaps in ((), (700, *range(1400, 1420))))
+    assert covered(broken) == pytest.approx(covered(whole), rel=0.02)
+    simulated = wider()
+    del simulated.measured['valve_position']
+    problem = Problem(simulated, np.ones(len(TIME), dtype=bool), P, ())
+    one = next(t for t in terms(wider().channels) if t.label == CHANGING)
+    narrow = with_term(problem, problem.at(problem.start()), replace(one, memory=12.0),
+                       np.ones(len(TIME), dtype=bool)).base.discrepancy
+    assert np.ptp(covered(narrow)) < 0.9 * np.ptp(covered(whole))
+
+
+def test_a_channel_without_values_where_it_is_fitted_is_simulated():
+    columns = timed_columns()
+    late = columns['time'] > 0.82 * columns['time'][-1]
+    columns['valve_position'][~late] = np.nan
+    experiment = prepare(record_of(columns), DECLARED)
+    for label in ('stem over valve_position', CHANGING):
+        low, high = covered(table_of(experiment, label, experiment.time < 40.0))
+        assert np.isfinite([low, high]).all()
+        assert high - low > 1e-4
+
+
+def test_only_what_follows_a_change_has_a_memory_of_its_own():
+    assert table_of(seen(P), CHANGING).memory == 12.0
+    assert table_of(seen(P), 'stem over valve_position').memory == Discrepancy().memory
+
+
+def test_changes_come_last_and_are_those_that_remember():
+    for number in range(len(VARIABLES)):
+        assert remembers(Discrepancy(EP_CONVERTER, number)) is (number in CHANGE_OF)
+        assert (PAST_UNIT[number] > 0.0) is (number in CHANGE_OF)
+
+
+@pytest.mark.parametrize('swept', [False, True])
+def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
+    experiment = prepare(record_of(swept_columns() if swept else timed_columns()), DECLARED)
+    search = searching(experiment, ())
+    tried_labels = []
+    reach = nameless.linear_reach
+
+    def noted(problem, reference, one, rows):
+        tried_labels.append(one.label)
+        return reach(problem, reference, one, rows)
+
+    monkeypatch.setattr(nameless, 'linear_reach', noted)
+    monkeypatch.setattr(nameless, 'LIKELY_TERMS', 0)
+    refit = search.refit()
+    missing = replace(refit, by_segment=9.0 * refit.by_segment)
+    assert nameless.best_terms(search, Tried(missing, missing, (missing,), {})) == []
+    assert 'stem over valve_position' in tried_labels
+    assert any(label.endswith('_change') for label in tried_labels) is not swept
+
+
+@pytest.mark.parametrize(('every', 'past'), [(1, 0.0), (1, 0.5), (100, 0.5), (500, 0.0)])
+def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, past):
+    """The current stands from one row to the next, and what was may be another at the start."""
+    time = TIME[::every]
+    current = np.where(time < 5.0, 3.9e-4, 4.3e-4)
+    plain = simulate(P, time, current)
+    crept = simulate(P._replace(discrepancy=CREEPING), time, current,
+                     departure=Departure(past=past))
+    change = followed(CREEPING, time, crept.columns, past)
+    later = np.append(False, np.diff(current) == 0.0) & (time > 0.5)
+    slope = CREEPING.values[-1] / CREEPING.high
+    lag = 1.0 / (1.0 - P.ep_converter.time_constant / CREEPING.memory)
+    added = crept['back_pressure'] - plain['back_pressure']
+    settled = later & (np.abs(time - 5.0) > 0.5)
+    assert added[settled] == pytest.approx(lag * slope * change[settled], abs=2.0)
+    assert np.abs(added[settled]).max() > 200.0
+
+
+def test_what_a_table_holds_makes_no_valve_implausible():
+    """Of a term that leaves noise only the declared parameters may be far off."""
+    wave = tuple(np.r_[0.0, 400.0 * np.sin(np.linspace(0.3, 9.0, 10)), 0.0])
+    plant = P._replace(discrepancy=Discrepancy(STEM, VARIABLES.index('valve_position'), -2e-3,
+                                               18e-3, wave))
+    search = searching(seen(plant), ())
+    refit = search.refit()
+    one = next(t for t in terms(search.experiment.channels)
+               if t.label == 'stem over valve_position')
+    used, _ = search.rows_and_experiment(USED, search.thinning)
+    joint = with_term(refit.problem, refit.problem.at(refit.fit.z), one, used)
+    candidate = search.rate((UNNAMED + one.label,), joint, joint.fit(evaluations=20))
+    held = [z / free.sigma for z, free in zip(candidate.fit.z, candidate.fit.freedoms)
+            if free.knob.parameter == 'discrepancy.values']
+    assert np.sum(np.square(held)) > 12.0
+    assert taught(search, candidate) is not None
