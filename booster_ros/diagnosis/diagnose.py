@@ -19,7 +19,7 @@ from booster_ros.diagnosis.fit import Fit
 from booster_ros.diagnosis.freedom import Free, get
 from booster_ros.diagnosis.intervals import interval_of, shapes_of, traded
 from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
-from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete
+from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
     AS_GOOD_AS_MEASURED, ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect,
@@ -87,14 +87,17 @@ def _check_parts(experiment: Experiment, segments: list[Segment]) -> None:
 def _sought(search: Search, refit: Candidate, tell: Progress) -> tuple[Tried, list[Candidate]]:
     """Return the models with named effects, and the terms without a name that compete with them."""
     unnamed: list[Candidate] = []
+    beside: Candidate | None = None
 
     def beyond(tried: Tried) -> bool:
-        tell('looking for a discrepancy without a name', 0.65)
-        unnamed[:] = best_terms(search, tried)
+        nonlocal unnamed, beside
+        if tried.chosen is not beside:  # once for each choice: it takes as long as a round
+            tell('looking for a discrepancy without a name', 0.65)
+            unnamed, beside = best_terms(search, tried), tried.chosen
         return beyond_names(unnamed, tried)
 
     first = named(search, refit, tell, beyond)
-    if beyond_names(unnamed, first) or beyond(first):
+    if beyond(first):
         return first, unnamed
     tried = compared(search, first, tell)
     if not unnamed or set(tried.chosen.effects) != set(first.chosen.effects):
@@ -129,8 +132,8 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
                 for effects, c in best_of.items()]
     if unnamed:
         fate = 'chosen: structure that no named effect predicts' if verdict == 'unknown' else (
-            'not clearly better than the named effects' if tried.chosen.effects else
-            'fitted to all but the locked part, it does not lower the error')
+            'fitted to all but the locked part, it explains too little'
+            if preferable(unnamed[0], tried) else 'not clearly better than the named effects')
         if verdict == 'unknown':  # what was chosen among the named is not what is reported
             suspects = [replace(s, reason='the best of the named, which explain less')
                         if s.effects and set(s.effects) == set(tried.chosen.effects) else s
