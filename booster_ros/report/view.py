@@ -11,14 +11,13 @@ from booster_ros.diagnosis.experiment import UNITS
 from booster_ros.diagnosis.result import Diagnosis
 from booster_ros.diagnosis.segments import rows_of
 from booster_ros.diagnosis.unknown import followed
+from booster_ros.model import discrepancy
 from booster_ros.report.engineering import Scale, scale_of
 from booster_ros.report.wording import channel_label
 
 Array = np.ndarray
 
-_UNITS = {**UNITS, 'control_current': 'A', 'time': 's', 'stem_velocity': 'm/s',
-          'booster_force': 'N', 'control_current_change': 'A', 'chamber_pressure_change': 'Pa',
-          'valve_position_change': 'm'}
+_UNITS = {**UNITS, **dict(zip(discrepancy.VARIABLES, discrepancy.VARIABLE_UNITS))}
 
 
 @dataclass(frozen=True)

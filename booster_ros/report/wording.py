@@ -57,8 +57,9 @@ def place_label(location: str) -> str:
 
 
 def effect_label(name: str) -> str:
-    """Return the words for an effect."""
-    return re.sub('^ep ', 'E/P ', name.replace('_', ' '))
+    """Return the words for an effect, or for a term without a name."""
+    words = re.sub(' over (.*) change$', r' over a recent change of \1', name.replace('_', ' '))
+    return re.sub('^ep ', 'E/P ', words)
 
 
 def capital(text: str) -> str:
