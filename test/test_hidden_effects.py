@@ -16,11 +16,13 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import free_to_refit
+from booster_ros.diagnosis.cascade import search_above
 from booster_ros.diagnosis.last_fit import last_fit
 from booster_ros.diagnosis.nameless import best_terms
+from booster_ros.diagnosis.next_effect import shows_through_slips
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.screening import references, screen
-from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.search import Search, carried
 from booster_ros.diagnosis.segments import split
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.model.parameters import from_values
@@ -113,6 +115,20 @@ def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_wha
              for name in ('plug_flow_force', 'dead_volume_change', 'booster_dead_band')}
     assert min(costs, key=costs.get) == 'plug_flow_force'
     assert costs['plug_flow_force'] < 0.8 * refit.fit.cost
+
+
+@pytest.mark.parametrize(('hidden', 'seed', 'shows'), [
+    ((('chamber_leak', 1.0e-8), ('stem_friction', 384.0)), 4507024, True),
+    ((('stem_friction', 384.0),), 4507024, False),
+])
+def test_a_small_leak_shows_above_a_stem_that_slips(hidden, seed, shows, tmp_path):
+    """Single rows show it no more than the next best thing: slips leave more in them."""
+    above = search_above(search_on(hidden, seed, tmp_path))
+    refit = above.refit()
+    problem = above.joint(above.problem(), ('chamber_leak',))
+    fit = problem.fit(carried(problem, refit.fit))
+    assert fit.cost > 0.95 * refit.fit.cost
+    assert shows_through_slips(refit.problem, refit.fit, problem, fit) is shows
 
 
 IN_A_CORNER = (-0.027, 2.385, 5.0, -1.661, 0.0, -5.0, 1.54, 1.234, -0.318, 0.225, 3.578, 0.341,
