@@ -6,6 +6,7 @@ Effects that the catalogue does not have, and two at once, hidden in a plant of 
 One of either kind always runs; with BOOSTER_ROS_ALL_SAMPLES in the environment, all do.
 """
 
+from dataclasses import replace
 import json
 import os
 
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import free_to_refit
+from booster_ros.diagnosis.candidate import NEAR_NOISE
 from booster_ros.diagnosis.cascade import search_above
 from booster_ros.diagnosis.last_fit import last_fit
 from booster_ros.diagnosis.nameless import best_terms
@@ -24,7 +26,8 @@ from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.screening import references, screen
 from booster_ros.diagnosis.search import Search, carried
 from booster_ros.diagnosis.segments import split
-from booster_ros.diagnosis.selection import Tried
+from booster_ros.diagnosis.selection import Tried, named
+from booster_ros.diagnosis.teaching import taught
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
 from booster_ros.programs.close_loop import main
@@ -129,6 +132,17 @@ def test_a_small_leak_shows_above_a_stem_that_slips(hidden, seed, shows, tmp_pat
     fit = problem.fit(carried(problem, refit.fit))
     assert fit.cost > 0.95 * refit.fit.cost
     assert shows_through_slips(refit.problem, refit.fit, problem, fit) is shows
+
+
+def test_what_a_model_learnt_may_be_what_a_second_effect_does(tmp_path):
+    """With a ripple alone, and the select segments taught, little more than noise is left."""
+    search = replace(search_on((('supply_ripple', 8326.0), ('chamber_leak', 8.13e-9)), 6101003,
+                               tmp_path), names=('supply_ripple', 'chamber_leak'))
+    tried = named(search, search.refit(), lambda *_: None)
+    alone = next(one for one in tried.all if one.effects == ('supply_ripple',))
+    assert taught(search, alone).misfit < NEAR_NOISE < alone.misfit
+    assert set(tried.chosen.effects) == set(search.names)
+    assert tried.chosen.fit.parameters.actuator.leak_area == pytest.approx(8.13e-9, rel=0.1)
 
 
 IN_A_CORNER = (-0.027, 2.385, 5.0, -1.661, 0.0, -5.0, 1.54, 1.234, -0.318, 0.225, 3.578, 0.341,

@@ -146,6 +146,8 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
                 break
             both = taught(search, chosen) if chosen is parent else None  # else asked before
             if both is not None:
+                if not has_dry_friction(chosen.fit.parameters.actuator):
+                    return _faint(search, chosen, both, level, everything, tell)
                 everything.append(both)
                 return both
         if level == MOST_EFFECTS - 1 and beyond(_tried(refit, chosen, everything)):
@@ -204,6 +206,8 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
     """
     Return `found` with an effect more that shows clearly though all could be noise, else `noise`.
 
+    `noise` is the same model, or that as it has learnt the select segments, which may have been to
+    do what the effect does.
     The level of the noise is known to some percent only; what follows an effect's own trace in
     segments it was fitted to, and in those it was not, is seen through it.
     """
