@@ -168,8 +168,8 @@ def _first_steps_in_parts(search: Search, parent: Candidate, names: list[str], a
         part = next(b for b in upper if b.effect == name)
         part = replace(part, fit=part.problem.fit(part.fit.z, evaluations=EVALUATIONS))
         fall = fitted.cost - part.fit.cost
-        if shows_through_slips(problem, fitted, part.problem, part.fit) and (
-                part.fit.cost < worth_above):
+        if part.fit.cost < worth_above and shows_through_slips(
+                problem, fitted, part.problem, part.fit):
             parts.append(replace(part, confirmed=fall > WORTH_EXPLAINING * excess))
     least = min((part.fit.cost for part in parts), default=0.0)
     begun: list[_Begun] = []

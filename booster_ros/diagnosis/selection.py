@@ -138,18 +138,14 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
             break
         if level > 0:
             if _explained(chosen, refit):
-                return chosen if has_dry_friction(chosen.fit.parameters.actuator) else _faint(
-                    search, chosen, chosen, level, everything, tell)
+                return _faint(search, chosen, chosen, level, everything, tell)
             sharp = _sharpened(search, chosen, refit, everything)
             chosen, parent = sharp, sharp if parent is chosen else parent
             if _explained(chosen, refit):
                 break
             both = taught(search, chosen) if chosen is parent else None  # else asked before
             if both is not None:
-                if not has_dry_friction(chosen.fit.parameters.actuator):
-                    return _faint(search, chosen, both, level, everything, tell)
-                everything.append(both)
-                return both
+                return _faint(search, chosen, both, level, everything, tell)
         if level == MOST_EFFECTS - 1 and beyond(_tried(refit, chosen, everything)):
             break
         ranked = _round(search, parent, level, tell)
@@ -208,11 +204,14 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
 
     `noise` is the same model, or that as it has learnt the select segments, which may have been to
     do what the effect does.
+
     The level of the noise is known to some percent only; what follows an effect's own trace in
-    segments it was fitted to, and in those it was not, is seen through it.
+    segments it was fitted to, and in those it was not, is seen through it. Not beside effects where
+    the stem sticks: what idealised friction leaves is no noise, and that round takes minutes.
     """
     worth = found.fit.cost - SURE
-    ranked = _round(search, found, level, tell, worth=worth)
+    in_vain = found.effects and has_dry_friction(found.fit.parameters.actuator)
+    ranked = [] if in_vain else _round(search, found, level, tell, worth=worth)
     everything += ranked
     shown = [one for one in ranked
              if not one.fault and clearly_better(one, found) and one.fit.cost < worth]
