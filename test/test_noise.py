@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.noise import noise_level, white_noise
+from booster_ros.diagnosis.noise_colour import noise_of
 
 ROWS = 12000
 NOISE = 150.0
@@ -38,6 +39,41 @@ def test_a_channel_slower_than_the_rows_has_the_noise_of_the_rows_it_has(step):
     rounded = step * np.round(noisy / step) if step else noisy
     rounded[np.arange(ROWS) % 3 > 0] = np.nan
     assert noise_level(rounded) == pytest.approx(np.hypot(NOISE, step / np.sqrt(12.0)), rel=0.06)
+
+
+def slipping(noise=NOISE, period=0.08, size=1800.0, share=0.6):
+    """Return a noisy signal that goes in slips for that share of each 20 s."""
+    time = 0.01 * np.arange(ROWS)
+    saw = size * ((time / period) % 1.0 - 0.5) * (time % 20.0 < share * 20.0)
+    return moving(noise=noise)[1] + saw
+
+
+def of_all_differences(signal):
+    """Return the noise that the median of all third differences says."""
+    return np.median(np.abs(np.diff(signal, 3))) / 0.6745 / np.sqrt(20.0)
+
+
+def test_slips_are_no_noise_where_a_part_of_the_record_has_none():
+    signal = slipping()
+    assert of_all_differences(signal) > 1.35 * NOISE
+    assert noise_level(signal) == pytest.approx(NOISE, rel=0.15)
+
+
+def test_noise_that_is_cut_off_at_an_end_of_the_sensor_is_not_the_noise():
+    _, noisy = moving()
+    cut = np.arange(ROWS) % 4000 < 1600
+    noisy[cut] = 1e5 + np.maximum(noisy[cut] - moving()[0][cut], 0.0)
+    assert noise_level(noisy) == pytest.approx(of_all_differences(noisy), rel=1e-3)
+
+
+def test_a_valve_that_hunts_while_its_drive_rests_says_nothing_of_the_colour_of_noise():
+    """Its slips carry over from row to row as coloured noise does; a few pieces without tell."""
+    time = 0.01 * np.arange(ROWS)
+    noise = 8.0 * np.random.default_rng(4).standard_normal(ROWS)
+    swings = 16.0 * np.sin(2.0 * np.pi * time * (1.0 + 0.1 * np.sin(time))) * (time % 20.0 < 15.0)
+    rests = [slice(first, first + 100) for first in range(0, ROWS, 100)]
+    hunting = noise_of(swings + 20.0 * np.round(noise / 20.0 + 0.3 * swings / 20.0), rests)
+    assert hunting.correlation == 0.0
 
 
 def test_nothing_is_said_of_a_channel_that_stands_still_or_has_too_few_rows():

@@ -4,7 +4,8 @@
 The level of the measurement noise, from the record alone and never from fit residuals.
 
 Differences of third order remove whatever moves slowly compared with the sampling; what remains is
-noise. For white noise of variance s² a third difference has variance 20 s².
+noise. For white noise of variance s² a third difference has variance 20 s². What moves faster than
+that, a stem that slips, is in them too; then the quietest pieces of the record tell.
 """
 
 import numpy as np
@@ -15,6 +16,18 @@ _THIRD_DIFFERENCE_GAIN = 20.0
 _MAD_TO_SIGMA = 1.4826
 
 FEWEST_DIFFERENCES = 8
+
+PIECE = 100
+FEWEST_PIECES = 20
+QUIET = 0.1
+"""Rows in a piece of a record, pieces at the least, and the share of them that are the quietest."""
+
+LOUD = 0.85
+"""Pieces are not alike if the quietest say less than this share of what all differences say."""
+
+REPEATS = 0.2
+"""Share of rows that read as the row before, from which a piece lies at an end of its sensor: finer
+steps than `FINE` repeat in less than half as many."""
 
 FINE = 0.3
 """Steps up to this share of the noise move the median of differences by less than 5 %."""
@@ -40,7 +53,27 @@ def white_noise(signal: Array) -> float:
         low, high = np.quantile(third, [0.02, 0.98])
         kept = third[(third >= low) & (third <= high)]
         mad = float(np.std(kept))
-    return mad / np.sqrt(_THIRD_DIFFERENCE_GAIN)
+    level = float(mad / np.sqrt(_THIRD_DIFFERENCE_GAIN))
+    quiet = _noise_of_quiet_pieces(signal)
+    return quiet if quiet < LOUD * level else level
+
+
+def _noise_of_quiet_pieces(signal: Array) -> float:
+    """
+    Return the noise of which the quietest pieces of the signal are those of white noise.
+
+    Pieces that lie at an end of the sensor do not count: what is cut off there is noise. Infinite
+    where there are too few.
+    """
+    known = signal[np.isfinite(signal)]
+    pieces = known[:len(known) // PIECE * PIECE].reshape(-1, PIECE)
+    pieces = pieces[np.mean(np.diff(pieces) == 0.0, axis=1) < REPEATS]
+    if len(pieces) < FEWEST_PIECES:
+        return float('inf')
+    white = np.random.default_rng(1).standard_normal(pieces.shape)
+    quiet, by_chance = (np.quantile([_spread(np.diff(piece, 3)) for piece in some], QUIET)
+                        for some in (pieces, white))
+    return float(quiet / by_chance)
 
 
 def _third_differences(signal: Array) -> Array:

@@ -8,8 +8,9 @@ cubic removed from each, never from residuals of a fit: what moves slower than a
 valve, what is faster is noise. The noise is a first-order autoregression whose coefficient is the
 one that would give, after the same cubics, the lag-one share that was seen. Without rests, where
 that share is small or no more than chance, where the further lags do not fade as it says (a
-ripple) or what is new in each row is heavy-tailed (a valve that hunts goes in slips), noise is
-white and of the level that high-frequency differences give.
+ripple), what is new in each row is heavy-tailed (a valve that hunts goes in slips) or most pieces
+hold more than the quietest by far (it hunts in them), noise is white and of the level that
+high-frequency differences give.
 """
 
 from collections.abc import Sequence
@@ -54,6 +55,12 @@ FADING = 0.1
 
 HEAVY_TAILED = 1.0
 """Excess kurtosis from which what is new in each row is no noise: a Gaussian has 0."""
+
+QUIETEST = 0.1
+UNEQUAL = 0.6
+DRAWN = 400
+"""Share of the pieces that are the quietest, and how their variance is to the median piece's, in
+multiples of what it is in so many drawn ones, below which a valve moves in most."""
 
 _RANGE = (-0.95, 0.99)
 
@@ -118,9 +125,20 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
     fades = np.max(np.abs(like_it / like_it[0] - shares)) < FADING
     new = left[:, 1:] - coefficient * left[:, :-1]
     slips = kurtosis(new, axis=None) > HEAVY_TAILED
-    if abs(coefficient) < max(SMALL, CHANCE / np.sqrt(left.size)) or slips or not fades:
+    small = abs(coefficient) < max(SMALL, CHANCE / np.sqrt(left.size))
+    if small or slips or not fades or _hunts(variance, coefficient, removed):
         return white
     return Noise(float(np.sqrt(seen / like_it[0])), coefficient, white.resolution)
+
+
+def _hunts(variance: Array, coefficient: float, removed: Array) -> bool:
+    """Tell whether the variances of pieces differ more than those of such noise, less the cubic."""
+    rows = len(removed)
+    drawn = lfilter([1.0], [1.0, -coefficient],
+                    np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
+    by_chance = np.mean((drawn @ removed)**2, axis=1)
+    quiet, usual = (np.quantile(each, QUIETEST) / np.median(each) for each in (variance, by_chance))
+    return bool(quiet < UNEQUAL * usual)
 
 
 def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
