@@ -81,8 +81,8 @@ def test_trials_find_what_is_better_nearby():
     beside = z_of(problem, RIGID | {'actuator.coulomb_friction': 420.0})
     trials = friction_trials(problem, beside)
     assert trials.z[0] == pytest.approx(beside)
-    assert trials.cost[0] == problem.cost_of_means(beside)
-    assert problem.cost_of_means(trials.best) == trials.cost.min() < 0.3 * trials.cost[0]
+    assert trials.cost[0] == problem.cost_through_slips(beside)
+    assert problem.cost_through_slips(trials.best) == trials.cost.min() < 0.3 * trials.cost[0]
 
 
 def test_trials_around_a_fit_hold_what_was_put_in():
@@ -120,6 +120,6 @@ def test_of_friction_along_the_travel_the_gradient_stays():
 
 def test_where_no_friction_is_free_nothing_is_tried(monkeypatch):
     problem = problem_of(RIGID, 'chamber_leak')
-    monkeypatch.setattr(Problem, 'means', None)
+    monkeypatch.setattr(Problem, 'through_slips', None)
     z = problem.start() + 0.1
     assert best_friction(problem, z) is z

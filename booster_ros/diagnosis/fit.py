@@ -20,6 +20,7 @@ from booster_ros.diagnosis.descent import CONVERGED, Residuals, descend
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.freedom import BENCH, Free, put
 from booster_ros.diagnosis.side_by_side import side_by_side
+from booster_ros.diagnosis.slips import Windows
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.parameters import ParameterError, check_consistent
@@ -34,12 +35,6 @@ VISIBLE, VISIBLE_THROUGH_SLIPS = 10.0, 100.0
 Steps of the Jacobian's differences in z: the first, and how far (norm of the scaled residuals'
 change) later ones go. Larger ones bend, smaller ones drown in the solver's own error; where the
 stem sticks, in a cost that is rough with when each slip comes: the second figure sees through that.
-"""
-
-SLIPS = 1.0
-"""
-Time in s over which residuals are averaged for a fit of means: many slips of a stem that sticks,
-few moves of the valve.
 """
 
 UNSEEN = 1.0
@@ -72,22 +67,6 @@ class Fit:
     def seen(self) -> Array:
         """Which variables, as they stand, move the scaled residuals by more than the noise."""
         return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class Windows:
-    """Rows taken together: of each its window, and of each window its first row and how many."""
-
-    window: Array
-    first: Array
-    count: Array
-
-    @classmethod
-    def of(cls, label: Array) -> 'Windows':
-        """Return the windows of rows that have the same label."""
-        _, first, window, count = np.unique(
-            label, return_index=True, return_inverse=True, return_counts=True)
-        return cls(window, first, count)
 
 
 @dataclass(frozen=True)
@@ -148,14 +127,24 @@ class Problem:
         return self._with_priors(z, self._scaled(z))
 
     def means(self, z: Array) -> Array:
-        """Return the means of residuals over `SLIPS`, scaled to their own noise, and priors."""
+        """Return the means of residuals over windows, scaled to their own noise, and priors."""
         return self._with_priors(z, [
-            np.bincount(slips.window, scaled) / np.sqrt(slips.count)
-            for slips, scaled in zip(self.slips, self._scaled(z))])
+            slips.means(scaled) for slips, scaled in zip(self.slips, self._scaled(z))])
+
+    def through_slips(self, z: Array) -> Array:
+        """Return what does not ask when each slip comes: `means`, and strengths behind them."""
+        scaled = self._scaled(z)
+        means = [slips.means(each) for slips, each in zip(self.slips, scaled)]
+        strengths = [slips.strengths(each) for slips, each in zip(self.slips, scaled)]
+        return self._with_priors(z, [*means, *strengths])
 
     def cost_of_means(self, z: Array) -> float:
-        """Return the sum of squares of `means`: what is missed but for single slips."""
+        """Return the sum of squares of `means`."""
         return float(np.sum(self.means(z)**2))
+
+    def cost_through_slips(self, z: Array) -> float:
+        """Return the sum of squares of `through_slips`: what is missed but for single slips."""
+        return float(np.sum(self.through_slips(z)**2))
 
     @cached_property
     def counted(self) -> dict[str, Array]:
@@ -165,13 +154,17 @@ class Problem:
 
     @cached_property
     def slips(self) -> tuple[Windows, ...]:
-        """Over which rows of each channel the means are formed."""
-        window = np.floor(self.experiment.time / SLIPS)
-        return tuple(Windows.of(window[rows]) for rows in self.counted.values())
+        """Over which rows of each channel means and strengths are formed."""
+        measured, noise = self.experiment.measured, self.experiment.noise
+        return tuple(Windows.of(self.experiment.time[rows], measured[name][rows] / noise[name])
+                     for name, rows in self.counted.items())
 
     def slopes_of_means(self, z: Array, here: Array, before: Array | None = None) -> Array:
         """Return d(means)/dz as `jacobian` does; `here` are the means at z."""
         return self._slopes(self.means, z, here, before)
+
+    def _slopes_through_slips(self, z: Array, here: Array, before: Array | None = None) -> Array:
+        return self._slopes(self.through_slips, z, here, before)
 
     def _scaled(self, z: Array) -> list[Array]:
         """Return the scaled residuals of the rows that count, one array a channel."""
@@ -287,14 +280,19 @@ class Problem:
 
     def fit_through_slips(self, z: Array, evaluations: int = 20) -> Fit:
         """
-        Return the best fit from where the means over `SLIPS` fit best, seen from z.
+        Return where the fit of `through_slips` ends, seen from z, or, if better, a fit from there.
 
-        How much friction there is shows in the means, which slip comes when does not: it makes the
-        cost of all rows rough, and their fit ends where the phase of some slips happens to suit.
+        How much friction there is shows in the means, how far slips go in the strengths. Which slip
+        comes when makes the cost of all rows rough, and their fit ends where the phase of some
+        happens to suit, or where slips are so small that it does not matter; `cost_through_slips`
+        says which is better.
         """
-        found = descend(
-            self.means, self.slopes_of_means, self._inside(z), *self.bounds(), evaluations)
-        return self.fit(found.z, evaluations)
+        found = descend(self.through_slips, self._slopes_through_slips, self._inside(z),
+                        *self.bounds(), evaluations)
+        here = self.residuals(found.z)
+        first = replace(self.at(found.z), cost=float(here @ here))
+        return min(first, self.fit(found.z, evaluations),
+                   key=lambda fit: self.cost_through_slips(fit.z))
 
     def _inside(self, z: Array) -> Array:
         low, high = self.bounds()

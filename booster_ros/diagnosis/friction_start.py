@@ -1,7 +1,7 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where a fit of a stem that sticks may begin: the friction with which the means over slips fit best.
+Where a fit of a stem that sticks may begin: the friction that fits best through slips.
 
 Which slip comes when makes the cost of a fit rough, and a fit from friction that is far off ends in
 the next hollow. Friction that was fitted while something above the stem was missing is far off. So
@@ -37,7 +37,7 @@ _Trial = tuple[float, float, bool]
 
 def best_friction(problem: Problem, z: Array) -> Array:
     """
-    Return z with the friction whose means fit best, beside everything else as it is.
+    Return z with the friction that fits best through slips, beside everything else as it is.
 
     And with the start as given: it had bent itself to the friction that was. z itself where no
     friction is free.
@@ -63,7 +63,7 @@ def best_friction(problem: Problem, z: Array) -> Array:
 
     def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
         several = list(trials)
-        left = side_by_side(lambda trial: problem.cost_of_means(placed(trial)), several)
+        left = side_by_side(lambda trial: problem.cost_through_slips(placed(trial)), several)
         return sorted(zip(left, several))
 
     hollows = tried(itertools.product(SLIDING, BREAKING_AWAY, (False, True)))[:HOLLOWS]

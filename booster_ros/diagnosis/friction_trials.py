@@ -40,7 +40,7 @@ BY_CHANCE = 0.9
 @dataclass(frozen=True, eq=False)
 class Trials:
     """
-    What was tried: z, shape (trials, variables), and the cost of its means over slips, (trials,).
+    What was tried: z, shape (trials, variables), and its cost through slips, (trials,).
 
     The first is what was begun with; `varied` are the variables that were drawn.
     """
@@ -80,12 +80,12 @@ def friction_trials(problem: Problem, z: Array) -> Trials:
     rng = np.random.default_rng(1)
     width = WIDE * np.maximum(np.abs(z[list(varied)]), SMALL)
     low, high = problem.bounds()
-    tried, cost = z[np.newaxis], np.array([problem.cost_of_means(z)])
+    tried, cost = z[np.newaxis], np.array([problem.cost_through_slips(z)])
     for _ in range(ROUNDS):
         places = np.tile(tried[int(np.argmin(cost))], (TRIALS, 1))
         places[:, varied] += width * rng.standard_normal((TRIALS, len(varied)))
         places = np.clip(places, low, high)
         tried = np.concatenate([tried, places])
-        cost = np.concatenate([cost, side_by_side(problem.cost_of_means, places)])
+        cost = np.concatenate([cost, side_by_side(problem.cost_through_slips, places)])
         width = CLOSER * width
     return Trials(tried, cost, varied)

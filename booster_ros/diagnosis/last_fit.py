@@ -105,7 +105,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     Return the fit; where it leaves more than noise, the best of it, one through slips, and trials.
 
     That through slips begins with what is seen above the stem; the trials are around the better of
-    the two. Which of all says most of the friction shows in their means: single slips are chance.
+    the two. Which of all says most of the friction shows through slips: single ones are chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
@@ -113,7 +113,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
         return LastFit(problem, problem.without_unseen(fit))
     above = as_seen_above(search, candidate, fit.z, USED)
     again = problem.fit_through_slips(above, EVALUATIONS)
-    fit = min(fit, again, key=lambda found: problem.cost_of_means(found.z))
+    fit = min(fit, again, key=lambda found: problem.cost_through_slips(found.z))
     trials = friction_trials(problem, fit.z)
     if np.argmin(trials.cost) > 0:
         cost = float(np.sum(problem.residuals(trials.best)**2))
