@@ -107,6 +107,17 @@ def test_a_fault_of_its_own_is_why_a_model_was_dropped_before_any_comparison():
         'not told apart from the choice by this record')
 
 
+def test_what_shows_where_slips_do_not_decide_need_not_lower_the_score():
+    friction = scored(('stem_friction',), 6.0, 7.0, 6.0, 7.0)
+    leak = scored(('stem_friction', 'chamber_leak'), 7.0, 6.0, 8.0, 7.0)
+    assert not clearly_better(leak, friction)
+    lasts = replace(leak, lasting=frozenset({'chamber_leak'}))
+    assert clearly_better(lasts, friction)
+    assert not clearly_better(lasts, leak)
+    assert why_dropped(friction, lasts) == (
+        'without chamber_leak more is left of what no slip explains')
+
+
 def test_friction_that_does_not_differ_along_the_travel_stays_friction():
     bent = scored(('chamber_leak', 'position_dependent_friction'), 1.15, 1.15, 1.15, 1.15)
     plain = scored(('stem_friction', 'chamber_leak'), 1.22, 1.22, 1.22, 1.22)

@@ -36,8 +36,9 @@ class Candidate:
     A model: its effects, its fit, and how it scores on the select segments.
 
     `confirmed` says that its last effect explains enough of what is seen above the stem, where
-    the stem's friction blurs the whole; `fault` why its last effect is none that this record shows;
-    `learnt` that it was fitted to the select segments as well.
+    the stem's friction blurs the whole; `lasting` are the effects that take away up there what no
+    slip explains; `fault` says why its last effect is none that this record shows, `learnt` that
+    it was fitted to the select segments as well.
     """
 
     effects: tuple[str, ...]
@@ -47,6 +48,7 @@ class Candidate:
     prior: float
     samples: int
     confirmed: bool = False
+    lasting: frozenset[str] = frozenset()
     fault: str = ''
     learnt: bool = False
 
@@ -81,7 +83,14 @@ def explains(fit: Fit, before: Fit, rows: int) -> bool:
 
 
 def clearly_better(better: Candidate, worse: Candidate) -> bool:
-    """Tell whether the score falls by more than one standard error and by what matters."""
+    """
+    Tell whether the score falls by more than one standard error and by what matters.
+
+    Or that it has an effect more that shows where slips, of which scores are made where a stem
+    sticks, do not decide.
+    """
+    if better.lasting.intersection(better.effects).difference(worse.effects):
+        return True
     fall, error = gain(worse, better)
     excess = max(worse.score - worse.samples, 0.0)
     enough = better.confirmed or fall > WORTH_EXPLAINING * excess
@@ -146,6 +155,9 @@ def why_dropped(candidate: Candidate, chosen: Candidate) -> str:
     """Return why another model is not the chosen one; its own fault comes before any comparison."""
     if candidate.fault:
         return candidate.fault
+    lasting = chosen.lasting.intersection(chosen.effects).difference(candidate.effects)
+    if lasting:
+        return f'without {" and ".join(sorted(lasting))} more is left of what no slip explains'
     if set(chosen.effects) < set(candidate.effects):
         return 'the added effect does not lower the held-back error enough'
     if told_apart(candidate, chosen):

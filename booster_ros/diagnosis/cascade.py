@@ -116,7 +116,7 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
         if free.knob.parameter == _IMITATES:
             place[j] = 0.0
     thin = search.on(candidate.problem, roles, search.thinning)
-    return min(place, best_friction(thin, place), key=thin.cost_of_means)
+    return min(place, best_friction(thin, place), key=thin.cost_through_slips)
 
 
 def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
@@ -127,4 +127,4 @@ def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
     if fit.cost >= candidate.fit.cost:
         return candidate
     better = search.rate(candidate.effects, problem, fit)
-    return replace(better, confirmed=candidate.confirmed)
+    return replace(better, confirmed=candidate.confirmed, lasting=candidate.lasting)

@@ -50,8 +50,8 @@ up there nothing blurs which it is.
 
 SEEN_IN_MEANS = 0.4
 """
-Share of the cost of means over slips that an effect above the stem takes away if it is tried though
-single rows hardly show it.
+Share of the cost of means over slips that an effect above the stem takes away if it lasts: it is
+tried, and may be called for, though single rows hardly show it.
 """
 
 STILL_FAR = 2.0
@@ -69,12 +69,17 @@ stem that sticks, once one has reached the noise.
 
 @dataclass(frozen=True, eq=False)
 class _Begun:
-    """An effect with the first steps of a fit; `confirmed` as in a candidate."""
+    """
+    An effect with the first steps of a fit.
+
+    `confirmed` as in a candidate; it `lasts` if it is one of those that are `lasting` there.
+    """
 
     effect: str
     problem: Problem
     fit: Fit
     confirmed: bool = False
+    lasts: bool = False
 
 
 def extend(search: Search, parent: Candidate, tick: Callable[[], None],
@@ -92,16 +97,17 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
         begun = _first_steps(parent.problem, parent.fit, names, tick, worth)
     else:
         begun = _first_steps_in_parts(search, parent, names, above, tick, worth)
-    begun.sort(key=lambda b: b.fit.cost)
+    begun.sort(key=lambda b: (not b.lasts, b.fit.cost))
     ended: dict[str, _Begun] = {}
     hopeless = HOPELESS if above is None else CLOSE
+    promised = min((one.fit.cost for one in begun), default=0.0)
     for one in begun[:FINALISTS]:
         first = ended.get(one.effect)
         if first is not None and one.fit.cost > OTHER_START * first.fit.cost:
             continue
-        if one.fit.cost < min(hopeless * begun[0].fit.cost, worth):
-            one = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
-        if one.effect not in ended or one.fit.cost < ended[one.effect].fit.cost:
+        if one.fit.cost < min(hopeless * promised, worth):
+            one = _carried_on(one)
+        if one.effect not in ended or _better(one, ended[one.effect]):
             ended[one.effect] = one
         tick()
     least = min((one.fit.cost for one in ended.values()), default=0.0)
@@ -110,8 +116,24 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
             ended[name] = replace(one, fit=polished(one.problem, one.fit))
     return preferred_first([
         replace(search.rate((*parent.effects, one.effect), one.problem, one.fit),
-                confirmed=one.confirmed, fault=search.fault(one.problem, one.fit, one.effect))
+                confirmed=one.confirmed,
+                lasting=parent.lasting.union([one.effect] if one.lasts else []),
+                fault=search.fault(one.problem, one.fit, one.effect))
         for one in ended.values()])
+
+
+def _carried_on(one: _Begun) -> _Begun:
+    """Return it fitted further, unless single slips alone gain by that."""
+    further = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
+    return further if _better(further, one) else one
+
+
+def _better(one: _Begun, other: _Begun) -> bool:
+    """Tell which of two fits with the same effect is better; single slips do not decide."""
+    if has_dry_friction(one.fit.parameters.actuator):
+        problem = one.problem
+        return problem.cost_through_slips(one.fit.z) < problem.cost_through_slips(other.fit.z)
+    return one.fit.cost < other.fit.cost
 
 
 def _first_steps(thin: Problem, fitted: Fit, names: list[str], tick: Callable[[], None],
@@ -168,17 +190,20 @@ def _first_steps_in_parts(search: Search, parent: Candidate, names: list[str], a
         part = next(b for b in upper if b.effect == name)
         part = replace(part, fit=part.problem.fit(part.fit.z, evaluations=EVALUATIONS))
         fall = fitted.cost - part.fit.cost
-        if part.fit.cost < worth_above and shows_through_slips(
-                problem, fitted, part.problem, part.fit):
-            parts.append(replace(part, confirmed=fall > WORTH_EXPLAINING * excess))
+        lasts = all(shows_in_means(above.on(problem, (role,), above.thinning), fitted,
+                                   above.on(part.problem, (role,), above.thinning), part.fit)
+                    for role in ('fit', 'select'))
+        if part.fit.cost < worth_above and (lasts or fall > WORTH_ADDING * fitted.cost):
+            parts.append(replace(
+                part, confirmed=fall > WORTH_EXPLAINING * excess, lasts=lasts))
     least = min((part.fit.cost for part in parts), default=0.0)
     begun: list[_Begun] = []
     for part in parts:
         if part.fit.cost < AS_GOOD_ABOVE * least:
             joint = search.joint(parent.problem, (part.effect,))
             start = carried(joint, parent.fit, part.fit)
-            begun.append(_Begun(part.effect, joint, joint.fit(
-                start, evaluations=FIRST_EVALUATIONS), part.confirmed))
+            begun.append(replace(part, problem=joint, fit=joint.fit(
+                start, evaluations=FIRST_EVALUATIONS)))
             if begun[-1].fit.cost > STILL_FAR * joint.rows_counted():
                 begun.append(replace(begun[-1], fit=joint.fit_through_slips(
                     best_friction(joint, start), evaluations=FIRST_EVALUATIONS)))
@@ -188,15 +213,14 @@ def _first_steps_in_parts(search: Search, parent: Candidate, names: list[str], a
     return begun + _first_steps(parent.problem, parent.fit, lower, tick, worth, few=True)
 
 
-def shows_through_slips(before: Problem, fitted: Fit, problem: Problem, fit: Fit) -> bool:
+def shows_in_means(before: Problem, fitted: Fit, problem: Problem, fit: Fit) -> bool:
     """
-    Tell whether the part above a stem that slips is fitted so much better with one effect more.
+    Tell whether an effect above a stem that slips takes away much of what lasts longer than slips.
 
     Smoothing the measured stem leaves more in the rows around each slip than a small leak does, but
     nothing that lasts: the leak shows in the means.
     """
-    return fit.cost < (1.0 - WORTH_ADDING) * fitted.cost or (
-        problem.cost_of_means(fit.z) < (1.0 - SEEN_IN_MEANS) * before.cost_of_means(fitted.z))
+    return problem.cost_of_means(fit.z) < (1.0 - SEEN_IN_MEANS) * before.cost_of_means(fitted.z)
 
 
 def _waste(quick: Screened, begun: list[_Begun]) -> bool:

@@ -86,7 +86,7 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
         if any(map(shows_above_the_stem, set(one.effects) - set(chosen.effects))):
             z = as_seen_above(search, one, z, ('fit',))
         fit = replace(one.problem, fine=True).fit(z, evaluations=EVALUATIONS)
-        again.append(search.rate(one.effects, one.problem, fit))
+        again.append(replace(search.rate(one.effects, one.problem, fit), lasting=one.lasting))
     ranked = preferred_first(again)
     plainest = _plainest_above(search, ranked)
     return [plainest, *(one for one in ranked if one is not plainest)]

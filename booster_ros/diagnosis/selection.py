@@ -30,7 +30,7 @@ effects together, no third is looked for, and steps 6 and 7 fall away (see namel
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import itertools
 
 import numpy as np
@@ -326,8 +326,8 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
         parent = _without(search, chosen, name, everything, fewer)
         others = extend(
-            search, parent, lambda: None, _not_instead(chosen, parent, name, search.names),
-            worth=FAR_BEHIND * chosen.fit.cost)
+            search, replace(parent, lasting=chosen.lasting), lambda: None,
+            _not_instead(chosen, parent, name, search.names), worth=FAR_BEHIND * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]
         if best is not chosen:

@@ -53,4 +53,4 @@ def taught_what_it_missed(search: Search, candidate: Candidate) -> Candidate | N
     """Return a model taught, if all that it misses is what it was not fitted to."""
     misses = candidate.misfit > NEAR_NOISE and fitted_to_noise(candidate)
     both = taught(search, candidate) if misses and not candidate.fault else None
-    return both and replace(both, confirmed=candidate.confirmed)
+    return both and replace(both, confirmed=candidate.confirmed, lasting=candidate.lasting)
