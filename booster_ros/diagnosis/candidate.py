@@ -36,8 +36,8 @@ class Candidate:
     A model: its effects, its fit, and how it scores on the select segments.
 
     `confirmed` says that its last effect explains enough of what is seen above the stem, where
-    the stem's friction blurs the whole; `lasting` are the effects that take away up there what no
-    slip explains; `fault` says why its last effect is none that this record shows, `learnt` that
+    the stem's friction blurs the whole; `lasting` are those that take away up there what no slip
+    explains; `fault` says why its last effect is none that this record shows, `learnt` that
     it was fitted to the select segments as well.
     """
 
@@ -89,7 +89,7 @@ def clearly_better(better: Candidate, worse: Candidate) -> bool:
     Or that it has an effect more that shows where slips, of which scores are made where a stem
     sticks, do not decide.
     """
-    if better.lasting.intersection(better.effects).difference(worse.effects):
+    if better.lasting.difference(worse.effects):
         return True
     fall, error = gain(worse, better)
     excess = max(worse.score - worse.samples, 0.0)
@@ -155,7 +155,7 @@ def why_dropped(candidate: Candidate, chosen: Candidate) -> str:
     """Return why another model is not the chosen one; its own fault comes before any comparison."""
     if candidate.fault:
         return candidate.fault
-    lasting = chosen.lasting.intersection(chosen.effects).difference(candidate.effects)
+    lasting = chosen.lasting.difference(candidate.effects)
     if lasting:
         return f'without {" and ".join(sorted(lasting))} more is left of what no slip explains'
     if set(chosen.effects) < set(candidate.effects):

@@ -264,10 +264,10 @@ class Problem:
                 np.array([f.high for f in self.freedoms] + list(width)))
 
     def at(self, z: Array) -> Fit:
-        """Return z as a fit, with its Jacobian there."""
-        p = self.parameters(z)
-        return Fit(self.freedoms, z, p, self.initial(z, p), 0.0,
-                   self.jacobian(z, self.residuals(z)))
+        """Return z as a fit, with its cost and Jacobian there."""
+        p, here = self.parameters(z), self.residuals(z)
+        return Fit(self.freedoms, z, p, self.initial(z, p), float(here @ here),
+                   self.jacobian(z, here))
 
     def fit(self, z: Array | None = None, evaluations: int = 20, converged: float = CONVERGED
             ) -> Fit:
@@ -289,10 +289,8 @@ class Problem:
         """
         found = descend(self.through_slips, self._slopes_through_slips, self._inside(z),
                         *self.bounds(), evaluations)
-        here = self.residuals(found.z)
-        first = replace(self.at(found.z), cost=float(here @ here))
-        return min(first, self.fit(found.z, evaluations),
-                   key=lambda fit: self.cost_through_slips(fit.z))
+        further = self.fit(found.z, evaluations)
+        return self.at(found.z) if found.cost <= self.cost_through_slips(further.z) else further
 
     def _inside(self, z: Array) -> Array:
         low, high = self.bounds()

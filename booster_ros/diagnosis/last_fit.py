@@ -116,8 +116,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     fit = min(fit, again, key=lambda found: problem.cost_through_slips(found.z))
     trials = friction_trials(problem, fit.z)
     if np.argmin(trials.cost) > 0:
-        cost = float(np.sum(problem.residuals(trials.best)**2))
-        fit = replace(problem.at(trials.best), cost=cost)
+        fit = problem.at(trials.best)
     return LastFit(problem, problem.without_unseen(fit), trials=trials)
 
 

@@ -325,9 +325,10 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     for k, name in enumerate(chosen.effects[:-1]):
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
         parent = _without(search, chosen, name, everything, fewer)
+        parent = replace(parent, lasting=chosen.lasting.intersection(parent.effects))
         others = extend(
-            search, replace(parent, lasting=chosen.lasting), lambda: None,
-            _not_instead(chosen, parent, name, search.names), worth=FAR_BEHIND * chosen.fit.cost)
+            search, parent, lambda: None, _not_instead(chosen, parent, name, search.names),
+            worth=FAR_BEHIND * chosen.fit.cost)
         everything += others
         best = preferred_first([chosen, *others])[0]
         if best is not chosen:
