@@ -250,6 +250,29 @@ def test_a_packing_yields_before_the_stem_slides():
     assert np.median(held[time > 50.0]) == pytest.approx(-friction, rel=0.02)
 
 
+@pytest.mark.parametrize('damping', [0.1, 0.3, 0.6])
+def test_a_stem_rings_in_its_packing_as_that_is_damped(damping):
+    """
+    Far from sliding, the packing is a spring and a dashpot: a step of force overshoots as these do.
+
+    By exp(-π ζ/√(1-ζ²)), with ζ the share of critical damping.
+    """
+    stiffness, mass = 1e7, 4.0
+    values = {'actuator.coulomb_friction': 1e5, 'actuator.presliding_stiffness': stiffness,
+              'actuator.presliding_damping': damping, 'actuator.viscous_friction': 0.0,
+              'actuator.moving_mass': mass}
+    time = np.arange(0.0, 0.1, 1e-5)
+    pressure = np.where(time < 0.01, 200e3, 201e3)
+    held = AREA * 50e3 / SPRING  # where the spring alone holds the stem at the first pressure
+    run = simulate(positioner(values), time, np.zeros_like(time), {'valve_position': held},
+                   {'chamber_pressure': pressure}, tolerance=0.01)
+    way = run['valve_position'] - held
+    share = damping * np.sqrt(stiffness / (stiffness + SPRING))
+    overshoot = np.exp(-np.pi * share / np.sqrt(1.0 - share**2))
+    assert way[-1] == pytest.approx(AREA * 1e3 / (stiffness + SPRING), rel=0.02)
+    assert way.max() / way[-1] == pytest.approx(1.0 + overshoot, abs=0.02)
+
+
 def test_a_yielding_packing_holds_a_stem_that_nothing_moves():
     values = {'actuator.coulomb_friction': 500.0, 'actuator.presliding_stiffness': 1e7}
     time = rows(60.0)

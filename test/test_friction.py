@@ -8,7 +8,7 @@ import pytest
 
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import Problem
-from booster_ros.diagnosis.friction_start import best_friction
+from booster_ros.diagnosis.friction_start import best_friction, each_damping
 from booster_ros.diagnosis.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
@@ -76,6 +76,34 @@ def z_of(problem, values):
     return z
 
 
+def test_the_damping_of_a_packing_is_found_from_each_but_not_from_much_of_it():
+    values = RIGID | {'actuator.presliding_stiffness': 2e7, 'actuator.presliding_damping': 0.3}
+    problem = problem_of(values)
+    much = problem.fit_through_slips(z_of(problem, values | {'actuator.presliding_damping': 2.5}))
+    fits = [problem.fit_through_slips(z) for z in each_damping(problem, much.z)]
+    best = min(fits, key=lambda fit: problem.cost_through_slips(fit.z))
+    assert much.parameters.actuator.presliding_damping > 2.0
+    assert best.parameters.actuator.presliding_damping < 0.6
+    assert problem.cost_through_slips(best.z) < 0.8 * problem.cost_through_slips(much.z)
+
+
+def test_a_rigid_packing_has_no_damping():
+    problem = problem_of(RIGID)
+    z = z_of(problem, RIGID | {'actuator.presliding_stiffness': 0.0})
+    (same,) = each_damping(problem, z)
+    assert (same == z).all()
+
+
+def test_shapes_on_which_nothing_depends_end_as_typical():
+    problem = problem_of(RIGID)
+    given = RIGID | {'actuator.presliding_stiffness': 0.0, 'actuator.presliding_damping': 2.5}
+    found = problem.without_unseen(problem.at(z_of(problem, given))).parameters.actuator
+    assert (found.presliding_stiffness, found.presliding_damping) == (0.0, 1.0)
+    yields = given | {'actuator.presliding_stiffness': 1e7}
+    found = problem.without_unseen(problem.at(z_of(problem, yields))).parameters.actuator
+    assert (found.presliding_stiffness, found.presliding_damping) == pytest.approx((1e7, 2.5))
+
+
 def test_trials_find_what_is_better_nearby():
     problem = problem_of(RIGID)
     beside = z_of(problem, RIGID | {'actuator.coulomb_friction': 420.0})
@@ -96,6 +124,8 @@ def test_trials_around_a_fit_hold_what_was_put_in():
             assert max(good) - min(good) < 0.75 * RIGID[free.knob.parameter]
         if free.knob.parameter == 'actuator.presliding_stiffness':
             assert set(good) == {0.0}  # a packing that is rigid stays so
+        if free.knob.parameter == 'actuator.presliding_damping':
+            assert len(set(good)) == 1  # and has none
 
 
 def test_draws_have_what_was_varied_from_good_trials_and_the_rest_as_it_was():

@@ -61,12 +61,13 @@ def test_stem_friction_is_named_and_explains_nearly_all(tmp_path):
         assert interval['low'] < PUT_IN[name] < interval['high']
         assert interval['high'] - interval['low'] < 0.25 * PUT_IN[name]
     for channel in report['held_out'].values():
-        # its packing yields by a law of its own: this comes near the noise, not down to it
+        # when each slip comes is partly chance: this comes near the noise, not down to it
         assert channel['after'] <= 2.0 * channel['noise']
         assert channel['before'] > 15.0 * channel['after']
-    # viscous friction had imitated the other kind, to five standard deviations, before that was in
+    # viscous friction had imitated the other kind, to five standard deviations, before that was in,
+    # and the damping of the packing while that was taken for critical
     fitted = read_parameter_file(tmp_path / 'out' / 'positioner.yaml').physical
-    assert fitted['actuator.viscous_friction'] == pytest.approx(3000.0, rel=0.4)
+    assert fitted['actuator.viscous_friction'] == pytest.approx(3000.0, rel=0.3)
 
 
 PUT_IN = {'actuator.coulomb_friction': 550.0, 'actuator.stiction': 192.5,

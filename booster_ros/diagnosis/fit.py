@@ -228,9 +228,18 @@ class Problem:
                  p.actuator.thermal_resistance, float(remembers(p.discrepancy)))
         return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
 
+    def depends_on(self, j: int, z: Array) -> bool:
+        """Tell whether what is seen at z depends on variable j: beside no size no shape matters."""
+        step = DIFFERENCE if z[j] + DIFFERENCE < self.freedoms[j].high else -DIFFERENCE
+        moved = z.copy()
+        moved[j] += step
+        return not all(map(np.array_equal, self._scaled(moved), self._scaled(z)))
+
     def without_unseen(self, fit: Fit) -> Fit:
         """
         Return the fit with sizes back at neutral that the rows show less than their noise.
+
+        And with shapes as typical on which nothing depends.
 
         Slopes say so as well of a size from which on nothing more shows, a seat that is wide enough
         never to be fully open: neutral is not wide enough. So that model is run before it is taken.
@@ -246,6 +255,11 @@ class Problem:
                 left = float(np.sum(self.residuals(without)**2))
                 if left < cost + UNSEEN:
                     z = without
+        for j, free in enumerate(self.freedoms):
+            shape = free.knob.shape and not free.knob.inverse  # no stiffness is one that matters
+            if shape and not np.isfinite(free.sigma) and not self.depends_on(j, z):
+                z = z.copy()
+                z[j] = free.without_size
         p = self.parameters(z)
         return replace(fit, z=z, parameters=p, initial=self.initial(z, p))
 

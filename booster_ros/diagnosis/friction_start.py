@@ -16,6 +16,7 @@ import numpy as np
 
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.side_by_side import side_by_side
+from booster_ros.model.actuator import is_rigid
 
 Array = np.ndarray
 
@@ -31,6 +32,9 @@ CLOSER = ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
 Then, around so many of the best: steps of the sliding friction, as a share of it, and of the share
 that breaks away.
 """
+
+DAMPINGS = (0.5, 1.0)
+"""Damping of a packing from which fits begin, as a share of critical."""
 
 _Trial = tuple[float, float, bool]
 
@@ -57,7 +61,7 @@ def best_friction(problem: Problem, z: Array) -> Array:
                 moved[j] = free.variable(values[name])
             elif name == 'actuator.presliding_stiffness':
                 moved[j] = free.variable(free.knob.typical if yields else 0.0)
-            elif name == 'actuator.stribeck_velocity':
+            elif name in ('actuator.presliding_damping', 'actuator.stribeck_velocity'):
                 moved[j] = free.variable(free.knob.typical)
         return np.clip(moved, low, high)
 
@@ -72,3 +76,21 @@ def best_friction(problem: Problem, z: Array) -> Array:
                          for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))[0]
                    for _, (sliding, share, yields) in hollows]
     return placed(min(hollows)[1])
+
+
+def each_damping(problem: Problem, z: Array) -> list[Array]:
+    """
+    Return z with each of DAMPINGS of a packing that yields; z itself where it does not.
+
+    A descent does not get from much of it to little: damping and viscous friction trade.
+    """
+    if is_rigid(problem.parameters(z).actuator):
+        return [z]
+    places = []
+    for damping in DAMPINGS:
+        moved = z.copy()
+        for j, free in enumerate(problem.freedoms):
+            if free.knob.parameter == 'actuator.presliding_damping':
+                moved[j] = free.variable(damping)
+        places.append(moved)
+    return places

@@ -72,11 +72,13 @@ def friction_trials(problem: Problem, z: Array) -> Trials:
     """
     Return trials around z.
 
-    What is none in z where only much of it would be seen, a stiffness, stays none.
+    What is none in z where only much of it would be seen, a stiffness, stays none; what means
+    nothing beside it, the damping of a packing that does not yield, stays as it is.
     """
     varied = tuple(
         j for j, free in enumerate(problem.freedoms) if not np.isfinite(free.sigma)
-        and not (free.knob.inverse and free.value(z[j]) == free.knob.neutral))
+        and not (free.knob.inverse and free.value(z[j]) == free.knob.neutral)
+        and problem.depends_on(j, z))
     rng = np.random.default_rng(1)
     width = WIDE * np.maximum(np.abs(z[list(varied)]), SMALL)
     low, high = problem.bounds()

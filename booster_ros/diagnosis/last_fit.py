@@ -15,12 +15,13 @@ from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, explains
 from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.friction_start import each_damping
 from booster_ros.diagnosis.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.intervals import (
     block_bootstrap, block_bootstrap_of_means, undetermined, within)
 from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
 from booster_ros.diagnosis.search import (
-    EVALUATIONS, LAST_EVALUATIONS, Search, as_given, settled)
+    EVALUATIONS, LAST_EVALUATIONS, Search, as_given, declared_as_given, settled)
 from booster_ros.diagnosis.segments import USED, segment_of_row
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, with_gentle_ends
@@ -102,18 +103,21 @@ def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
 
 def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> LastFit:
     """
-    Return the fit; where it leaves more than noise, the best of it, one through slips, and trials.
+    Return the fit; where it leaves more than noise, the best of it, some through slips, and trials.
 
-    That through slips begins with what is seen above the stem; the trials are around the better of
-    the two. Which of all says most of the friction shows through slips: single ones are chance.
+    Those through slips begin with what is seen above the stem, then with the effects alone, the
+    declared parameters as given: these had imitated what no fit had found yet. The trials are
+    around the best. Which of all says most of the friction shows through slips: single ones are
+    chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
     if enough or not candidate.effects or _unnamed(candidate):
         return LastFit(problem, problem.without_unseen(fit))
-    above = as_seen_above(search, candidate, fit.z, USED)
-    again = problem.fit_through_slips(above, EVALUATIONS)
-    fit = min(fit, again, key=lambda found: problem.cost_through_slips(found.z))
+    for starts in (lambda z: [as_seen_above(search, candidate, z, USED)],
+                   lambda z: each_damping(problem, declared_as_given(problem, z))):
+        fit = min([fit, *(problem.fit_through_slips(z, EVALUATIONS) for z in starts(fit.z))],
+                  key=lambda found: problem.cost_through_slips(found.z))
     trials = friction_trials(problem, fit.z)
     if np.argmin(trials.cost) > 0:
         fit = problem.at(trials.best)

@@ -51,6 +51,9 @@ class Actuator(NamedTuple):
     presliding_stiffness: Annotated[float, Quantity(
         'N/m', 'stem_friction: stiffness of the packing before it slides, 0 = rigid, it sticks '
         'exactly', 0.0, 1e12, 'packings: 1e7 to 1e9 N/m')] = 0.0
+    presliding_damping: Annotated[float, Quantity(
+        '-', 'stem_friction: damping of the packing before it slides, 1 = critical with the moving '
+        'mass', 0.0, 100.0, 'assumed: no ringing')] = 1.0
     friction_gradient: Annotated[float, Quantity(
         'N', 'position_dependent_friction: sliding friction added from closed to full travel',
         -1e6, 1e6)] = 0.0
@@ -221,9 +224,9 @@ def presliding_friction(act: Actuator, force: float, rate: float) -> float:
     """
     Return the friction in N that bristles with this force (N) and rate of it (N/s) oppose.
 
-    The same source, eq. 3; the bristles are damped critically against the stem's mass.
+    The same source, eq. 3.
     """
-    damping = 2.0 * math.sqrt(act.presliding_stiffness * act.moving_mass)
+    damping = act.presliding_damping * 2.0 * math.sqrt(act.presliding_stiffness * act.moving_mass)
     return force + damping / act.presliding_stiffness * rate
 
 

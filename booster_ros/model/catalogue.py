@@ -61,6 +61,7 @@ def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob) ->
 
 # a stiffer packing yields less than sensors tell; a rigid one says the same and is simulated faster
 _PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 2e8, 0.0, inverse=1, shape=True)
+_PRESLIDING_DAMPING = Knob('actuator.presliding_damping', 1.0, 0.2, 3.0, 1.0, shape=True)
 
 _ROWS = (
     _effect(
@@ -163,7 +164,7 @@ _ROWS = (
         'narrows them', 'B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083',
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
         Knob('actuator.stiction', 100.0, 0.0, 3e3),
-        _PRESLIDING,
+        _PRESLIDING, _PRESLIDING_DAMPING,
         Knob('actuator.stribeck_velocity', 1e-3, 3e-4, 1e-2, 1e-3, shape=True)),
     _effect(
         'position_dependent_friction', 'stem', 'friction differs along the travel (bent stem)',
@@ -171,7 +172,7 @@ _ROWS = (
         'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f8',
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
         Knob('actuator.friction_gradient', 300.0, -6e3, 6e3),
-        _PRESLIDING),
+        _PRESLIDING, _PRESLIDING_DAMPING),
     _effect(
         'spring_nonlinearity', 'stem', 'the spring is not a straight line',
         'positions across the travel', 'spring test without the diaphragm',
