@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis import diagnose, selection
-from booster_ros.diagnosis.candidate import NEAR_NOISE
+from booster_ros.diagnosis.candidate import NEAR_NOISE, preferred_first
 from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.fit import START, Problem
@@ -20,7 +20,7 @@ from booster_ros.diagnosis.intervals import interval_of
 from booster_ros.diagnosis.last_fit import last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.rematch import _plainest_above, rematch
+from booster_ros.diagnosis.rematch import _by_slips, _plainest_above, rematch
 from booster_ros.diagnosis.result import ChannelError, UnknownTerm
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
@@ -569,6 +569,28 @@ def test_a_bent_stem_far_behind_is_no_rival_of_plain_friction():
         'actuator.coulomb_friction': 340.0, 'actuator.friction_gradient': 0.3})
     assert behind.score > 2.0 * plain.score
     assert rematch(search, plain, [plain, behind]) == [plain]
+
+
+@pytest.mark.parametrize(('true', 'kind'), [
+    ({'coulomb_friction': 85.0, 'stiction': 85.0}, 'stem_friction'),
+    ({'coulomb_friction': 60.0, 'friction_gradient': 300.0}, 'position_dependent_friction'),
+], ids=['slips', 'bent'])
+def test_kinds_of_friction_are_told_by_what_slips_do(true, kind):
+    """What does not slip leaves less than slips of the right size that come out of step."""
+    time = np.arange(0.0, 80.0, 0.02)
+    current = 4.2e-4 + 0.3e-4 * np.abs((time / 20.0) % 2.0 - 1.0) + 0.15e-4 * ((time // 10.0) % 2.0)
+    search = searching(seen(P._replace(actuator=P.actuator._replace(**true)), None, 1.9e5, current,
+                            5, time), ())
+    bent = standing_at(search, ('position_dependent_friction',), {
+        'actuator.coulomb_friction': 114.0, 'actuator.friction_gradient': 20.0,
+        'actuator.presliding_stiffness': 0.0})
+    slips = standing_at(search, ('stem_friction',), {
+        'actuator.coulomb_friction': 115.0, 'actuator.stiction': 20.0,
+        'actuator.presliding_stiffness': 1.3e8, 'actuator.viscous_friction': 5000.0})
+    ranked = preferred_first([bent, slips])
+    assert ranked[0].misfit > 2.0
+    assert ranked[0].effects != (kind,)
+    assert _by_slips(search, ranked)[0].effects == (kind,)
 
 
 @pytest.mark.parametrize('time_constant', [1200.0, 6000.0])

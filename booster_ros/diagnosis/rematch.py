@@ -27,9 +27,10 @@ from dataclasses import replace
 
 from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
 from booster_ros.diagnosis.cascade import as_seen_above, fitted_above, shows_above_the_stem
+from booster_ros.diagnosis.friction_start import best_friction
 from booster_ros.diagnosis.indistinct import alike
 from booster_ros.diagnosis.intervals import within
-from booster_ros.diagnosis.next_effect import redundant
+from booster_ros.diagnosis.next_effect import STILL_FAR, redundant
 from booster_ros.diagnosis.search import EVALUATIONS, Search, carried
 from booster_ros.model.actuator import has_dry_friction
 
@@ -87,9 +88,35 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
             z = as_seen_above(search, one, z, ('fit',))
         fit = replace(one.problem, fine=True).fit(z, evaluations=EVALUATIONS)
         again.append(replace(search.rate(one.effects, one.problem, fit), lasting=one.lasting))
-    ranked = preferred_first(again)
+    ranked = _by_slips(search, preferred_first(again))
     plainest = _plainest_above(search, ranked)
     return [plainest, *(one for one in ranked if one is not plainest)]
+
+
+def _by_slips(search: Search, ranked: list[Candidate]) -> list[Candidate]:
+    """
+    Return the models with kinds of friction told by what slips do, where single ones are missed.
+
+    Which comes when is chance then, and rows are missed least by slips that are too small. Each
+    kind is sought anew as far as it shows through slips; those that miss no more than NEAR times
+    what the best does count as alike, and the plainest of them comes first.
+    """
+    best, *others = ranked
+    kinds = [best, *(one for one in others if not one.fault
+                     and has_dry_friction(one.fit.parameters.actuator)
+                     and not any(map(shows_above_the_stem, set(one.effects) ^ set(best.effects))))]
+    if len(kinds) == 1 or best.misfit < STILL_FAR:
+        return ranked
+    missed = []
+    for one in kinds:
+        fit = one.problem.fit_through_slips(best_friction(one.problem, one.fit.z), EVALUATIONS)
+        held_back = search.on(one.problem, ('select',), search.thinning)
+        missed.append((held_back.cost_through_slips(fit.z), replace(
+            search.rate(one.effects, one.problem, fit), lasting=one.lasting)))
+    least = min(cost for cost, _ in missed)
+    near = [one for cost, one in missed if cost < NEAR * least]
+    first = min(near, key=lambda one: plainness(one, 0.0))
+    return [first, *(one for one in ranked if one.effects != first.effects)]
 
 
 def _better_above(search: Search, chosen: Candidate, far: Iterable[Candidate]) -> list[Candidate]:
