@@ -114,14 +114,18 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
     if enough or not candidate.effects or _unnamed(candidate):
         return LastFit(problem, problem.without_unseen(fit))
-    for starts in (lambda z: [as_seen_above(search, candidate, z, USED)],
-                   lambda z: each_damping(problem, declared_as_given(problem, z))):
-        fit = min([fit, *(problem.fit_through_slips(z, EVALUATIONS) for z in starts(fit.z))],
-                  key=lambda found: problem.cost_through_slips(found.z))
+    fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
+    fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
     trials = friction_trials(problem, fit.z)
     if np.argmin(trials.cost) > 0:
         fit = problem.at(trials.best)
     return LastFit(problem, problem.without_unseen(fit), trials=trials)
+
+
+def _better(problem: Problem, fit: Fit, starts: list[Array]) -> Fit:
+    """Return the fit, or one through slips from a start that says more of the friction."""
+    fits = [fit, *(problem.fit_through_slips(z, EVALUATIONS) for z in starts)]
+    return min(fits, key=lambda found: problem.cost_through_slips(found.z))
 
 
 def _unnamed(candidate: Candidate) -> bool:
