@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit, matters
+from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.gas import ISENTROPIC
 
@@ -147,3 +149,15 @@ def test_what_a_flow_bench_finds_has_no_tolerance():
     gain = next(free for free in bench if free.knob.parameter == 'booster.opening_gain')
     assert gain.spread is None
     assert gain.away(gain.high) == 0.0
+
+
+@pytest.mark.parametrize(('columns', 'free'), [
+    (COLUMNS, {'coulomb_friction', 'stiction', 'presliding_stiffness', 'presliding_damping',
+               'stribeck_velocity'}),
+    (swept_columns(), {'coulomb_friction', 'presliding_stiffness'}),
+], ids=['timed', 'swept'])
+def test_a_sweep_without_a_clock_says_nothing_of_what_acts_by_speeds(columns, free):
+    experiment = prepare(record_of(columns), DECLARED)
+    problem = Problem(experiment, np.ones(len(experiment.time), dtype=bool), DECLARED, ())
+    rubs = with_effect(problem, EFFECTS['stem_friction'])
+    assert {one.knob.parameter for one in rubs.freedoms} == {f'actuator.{name}' for name in free}

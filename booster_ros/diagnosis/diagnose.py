@@ -203,13 +203,13 @@ def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
     found = []
     for name in best.effects:
         effect = EFFECTS[name]
+        own = {knob.parameter for knob in effect.knobs}
         parameters = {}
-        for knob in effect.knobs:
-            index = next(j for j, free in enumerate(last.problem.freedoms)
-                         if free.knob.parameter == knob.parameter)
-            value, low, high = interval_of(last.problem, last.draws, last.fit, index)
-            parameters[knob.parameter] = Interval(
-                value, low, high, DESCRIPTIONS[knob.parameter].unit)
+        for index, free in enumerate(last.problem.freedoms):
+            parameter = free.knob.parameter
+            if parameter in own:
+                value, low, high = interval_of(last.problem, last.draws, last.fit, index)
+                parameters[parameter] = Interval(value, low, high, DESCRIPTIONS[parameter].unit)
         rest = tuple(e for e in best.effects if e != name)
         rivals = _rivals(name, rest, tried, best)
         without = _best_without(rest, held_out, tried)

@@ -27,6 +27,7 @@ class Knob:
     neutral: float = 0.0
     inverse: int = 0
     shape: bool = False  # a shape parameter means nothing while the size is neutral
+    clocked: bool = False  # it acts by speeds, of which a sweep without a clock says nothing
 
     def to_fit(self, value: float) -> float:
         """Return the fitted variable for a value."""
@@ -61,7 +62,8 @@ def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob) ->
 
 # a stiffer packing yields less than sensors tell; a rigid one says the same and is simulated faster
 _PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 2e8, 0.0, inverse=1, shape=True)
-_PRESLIDING_DAMPING = Knob('actuator.presliding_damping', 1.0, 0.2, 3.0, 1.0, shape=True)
+_PRESLIDING_DAMPING = Knob(
+    'actuator.presliding_damping', 1.0, 0.2, 3.0, 1.0, shape=True, clocked=True)
 
 _ROWS = (
     _effect(
@@ -163,9 +165,9 @@ _ROWS = (
         'reversals', 'slow triangle: two parallel lines in position over pressure; dither '
         'narrows them', 'B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083',
         Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
-        Knob('actuator.stiction', 100.0, 0.0, 3e3),
+        Knob('actuator.stiction', 100.0, 0.0, 3e3, clocked=True),
         _PRESLIDING, _PRESLIDING_DAMPING,
-        Knob('actuator.stribeck_velocity', 1e-3, 3e-4, 1e-2, 1e-3, shape=True)),
+        Knob('actuator.stribeck_velocity', 1e-3, 3e-4, 1e-2, 1e-3, shape=True, clocked=True)),
     _effect(
         'position_dependent_friction', 'stem', 'friction differs along the travel (bent stem)',
         'reversals at several positions', 'valve signature over the full travel',
