@@ -87,11 +87,14 @@ def test_the_damping_of_a_packing_is_found_from_each_but_not_from_much_of_it():
     assert problem.cost_through_slips(best.z) < 0.8 * problem.cost_through_slips(much.z)
 
 
-def test_a_rigid_packing_has_no_damping():
+def test_from_a_rigid_packing_a_fit_begins_with_a_soft_one():
     problem = problem_of(RIGID)
-    z = z_of(problem, RIGID | {'actuator.presliding_stiffness': 0.0})
-    (same,) = each_damping(problem, z)
-    assert (same == z).all()
+    for stiffness, begun in ((0.0, 1e7), (3e7, 3e7)):
+        z = z_of(problem, RIGID | {'actuator.presliding_stiffness': stiffness})
+        packings = [problem.parameters(start).actuator for start in each_damping(problem, z)]
+        assert [one.presliding_stiffness for one in packings] == pytest.approx([begun, begun])
+        assert [one.presliding_damping for one in packings] == pytest.approx([0.5, 1.0])
+        assert {one.stiction for one in packings} == {problem.parameters(z).actuator.stiction}
 
 
 def test_shapes_on_which_nothing_depends_end_as_typical():

@@ -80,17 +80,19 @@ def best_friction(problem: Problem, z: Array) -> Array:
 
 def each_damping(problem: Problem, z: Array) -> list[Array]:
     """
-    Return z with each of DAMPINGS of a packing that yields; z itself where it does not.
+    Return z with each of DAMPINGS of a packing that yields; of a rigid one, of one that is soft.
 
-    A descent does not get from much of it to little: damping and viscous friction trade.
+    A descent does not get from much damping to little, as that and viscous friction trade; nor far
+    from a rigid packing, with which slips come all at once. From a soft one it gets to a rigid one.
     """
-    if is_rigid(problem.parameters(z).actuator):
-        return [z]
+    rigid = is_rigid(problem.parameters(z).actuator)
     places = []
     for damping in DAMPINGS:
         moved = z.copy()
         for j, free in enumerate(problem.freedoms):
             if free.knob.parameter == 'actuator.presliding_damping':
                 moved[j] = free.variable(damping)
+            elif free.knob.parameter == 'actuator.presliding_stiffness' and rigid:
+                moved[j] = free.variable(free.knob.typical)
         places.append(moved)
     return places
