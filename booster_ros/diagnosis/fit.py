@@ -11,6 +11,7 @@ by bounded trust-region least squares (scipy), with the columns of the Jacobian 
 side: the compiled model gives up Python's lock.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -228,12 +229,17 @@ class Problem:
                  p.actuator.thermal_resistance, float(remembers(p.discrepancy)))
         return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
 
-    def depends_on(self, j: int, z: Array) -> bool:
-        """Tell whether what is seen at z depends on variable j: beside no size no shape matters."""
-        step = DIFFERENCE if z[j] + DIFFERENCE < self.freedoms[j].high else -DIFFERENCE
-        moved = z.copy()
-        moved[j] += step
-        return not all(map(np.array_equal, self._scaled(moved), self._scaled(z)))
+    def idle(self, variables: Iterable[int], z: Array) -> set[int]:
+        """Return those on which nothing seen at z depends: beside no size no shape matters."""
+        asked = list(variables)
+        here = self._scaled(z) if asked else []
+
+        def moves_nothing(j: int) -> bool:
+            moved = z.copy()
+            moved[j] += DIFFERENCE if z[j] + DIFFERENCE < self.freedoms[j].high else -DIFFERENCE
+            return all(map(np.array_equal, self._scaled(moved), here))
+
+        return {j for j, still in zip(asked, side_by_side(moves_nothing, asked)) if still}
 
     def without_unseen(self, fit: Fit) -> Fit:
         """
@@ -255,11 +261,12 @@ class Problem:
                 left = float(np.sum(self.residuals(without)**2))
                 if left < cost + UNSEEN:
                     z = without
-        for j, free in enumerate(self.freedoms):
-            shape = free.knob.shape and not free.knob.inverse  # no stiffness is one that matters
-            if shape and not np.isfinite(free.sigma) and not self.depends_on(j, z):
-                z = z.copy()
-                z[j] = free.without_size
+        shapes = [j for j, free in enumerate(self.freedoms)
+                  if free.knob.shape and not np.isfinite(free.sigma)
+                  and not free.knob.inverse]  # no stiffness is one that matters
+        for j in self.idle(shapes, z):
+            z = z.copy()
+            z[j] = self.freedoms[j].without_size
         p = self.parameters(z)
         return replace(fit, z=z, parameters=p, initial=self.initial(z, p))
 

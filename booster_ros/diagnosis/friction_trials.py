@@ -75,10 +75,10 @@ def friction_trials(problem: Problem, z: Array) -> Trials:
     What is none in z where only much of it would be seen, a stiffness, stays none; what means
     nothing beside it, the damping of a packing that does not yield, stays as it is.
     """
-    varied = tuple(
+    sizes_and_shapes = [
         j for j, free in enumerate(problem.freedoms) if not np.isfinite(free.sigma)
-        and not (free.knob.inverse and free.value(z[j]) == free.knob.neutral)
-        and problem.depends_on(j, z))
+        and not (free.knob.inverse and free.value(z[j]) == free.knob.neutral)]
+    varied = tuple(sorted(set(sizes_and_shapes) - problem.idle(sizes_and_shapes, z)))
     rng = np.random.default_rng(1)
     width = WIDE * np.maximum(np.abs(z[list(varied)]), SMALL)
     low, high = problem.bounds()
