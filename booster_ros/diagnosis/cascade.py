@@ -126,5 +126,4 @@ def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
     fit = problem.fit_through_slips(start, EVALUATIONS)
     if fit.cost >= candidate.fit.cost:
         return candidate
-    better = search.rate(candidate.effects, problem, fit)
-    return replace(better, confirmed=candidate.confirmed, lasting=candidate.lasting)
+    return search.refitted(candidate, fit)

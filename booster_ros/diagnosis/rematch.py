@@ -87,7 +87,7 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
         if any(map(shows_above_the_stem, set(one.effects) - set(chosen.effects))):
             z = as_seen_above(search, one, z, ('fit',))
         fit = replace(one.problem, fine=True).fit(z, evaluations=EVALUATIONS)
-        again.append(replace(search.rate(one.effects, one.problem, fit), lasting=one.lasting))
+        again.append(search.refitted(one, fit))
     ranked = _by_slips(search, preferred_first(again))
     plainest = _plainest_above(search, ranked)
     return [plainest, *(one for one in ranked if one is not plainest)]
@@ -111,8 +111,7 @@ def _by_slips(search: Search, ranked: list[Candidate]) -> list[Candidate]:
     for one in kinds:
         fit = one.problem.fit_through_slips(best_friction(one.problem, one.fit.z), EVALUATIONS)
         held_back = search.on(one.problem, ('select',), search.thinning)
-        missed.append((held_back.cost_through_slips(fit.z), replace(
-            search.rate(one.effects, one.problem, fit), lasting=one.lasting)))
+        missed.append((held_back.cost_through_slips(fit.z), search.refitted(one, fit)))
     least = min(cost for cost, _ in missed)
     near = [one for cost, one in missed if cost < NEAR * least]
     first = min(near, key=lambda one: plainness(one, 0.0))

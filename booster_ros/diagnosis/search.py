@@ -83,6 +83,11 @@ class Search:
         rows, experiment = self.rows_and_experiment(('fit',), self.thinning)
         return Problem(experiment, rows, self.declared, self.freedoms)
 
+    def refitted(self, candidate: Candidate, fit: Fit) -> Candidate:
+        """Return the model with another fit; what was seen of its effects above the stem stays."""
+        return replace(self.rate(candidate.effects, candidate.problem, fit),
+                       confirmed=candidate.confirmed, lasting=candidate.lasting)
+
     def rate(self, effects: tuple[str, ...], problem: Problem, fit: Fit) -> Candidate:
         """
         Return the fit as a candidate, scored on every row of the select segments.
