@@ -13,7 +13,7 @@ from hidden_plant.__main__ import main
 from hidden_plant.campaigns import unseen
 from hidden_plant.currents import HIGHEST, KINDS, LOWEST
 from hidden_plant.declared import BENCH_SET, drawn_valve
-from hidden_plant.effects import CATALOGUED, EFFECTS, UNCATALOGUED, put_in
+from hidden_plant.effects import CATALOGUED, EFFECTS, NAMELESS, UNCATALOGUED, put_in
 from hidden_plant.plant import COLUMNS, SAMPLE_TIME, Valve, run
 from hidden_plant.sensors import POSITION_NOISE, PRESSURE_NOISE, Sensors, sensed
 import numpy as np
@@ -205,7 +205,7 @@ def test_offers_every_effect_of_the_catalogue_under_its_name_and_location():
 
 
 def test_effects_outside_the_catalogue_are_unknown():
-    for effect in UNCATALOGUED.values():
+    for effect in NAMELESS.values():
         assert effect.names[0] == 'unknown'
         assert set(effect.names[1:]) <= set(catalogue.EFFECTS)
 

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from numba import njit
 
+from .converter import play
+
 
 class Booster(NamedTuple):
     """Constants in SI units; everything below the blank line is neutral at its default."""
@@ -29,6 +31,7 @@ class Booster(NamedTuple):
     jet: float = 0.0  # plug flow force per pressure drop and area
     stick_force: float = 0.0  # N, change of force a sticking spool ignores
     stick_period: float = 23.0  # s, it sticks in the first 60 % of each period
+    relay_friction: float = 0.0  # N, sliding friction of the stack
 
 
 @njit(cache=True)
@@ -44,6 +47,8 @@ def diaphragm_force(booster, back_pressure, outlet_pressure, supply_pressure):
 @njit(cache=True)
 def spool_force(booster, previous, force, time):
     """Return the force in N that the spool's position answers to; a stuck one keeps the last."""
+    if booster.relay_friction > 0.0:
+        return play(previous, force, 2.0 * booster.relay_friction)
     phase = time / booster.stick_period
     sticking = phase - math.floor(phase) < 0.6
     if sticking and abs(force - previous) < booster.stick_force:

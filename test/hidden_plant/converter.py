@@ -26,6 +26,7 @@ class Converter(NamedTuple):
     ambient_period: float = 60.0  # s
     creep: float = 0.0  # share of the response that comes late
     creep_time: float = 15.0  # s
+    slow_venting: float = 0.0  # relative excess of the time constant where the pressure falls
 
 
 MID_CURRENT = 0.415e-3  # A, middle of the range that moves the valve

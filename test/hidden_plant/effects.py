@@ -266,6 +266,29 @@ VARIANTS: dict[str, Effect] = {
         (15.0, 80.0, 350.0),
         fixed={'stem.stiction': 0.35, 'stem.packing_stiffness': 3e7},
     ),
+    'stem_friction_one_sided': Effect(
+        'stem',
+        ('stem_friction',),
+        {'stem.coulomb': 1.0, 'stem.one_sided': 0.5},
+        (15.0, 80.0, 350.0),
+    ),
 }
 
-EFFECTS: dict[str, Effect] = {**CATALOGUED, **UNCATALOGUED, **VARIANTS}
+FURTHER: dict[str, Effect] = {
+    'relay_friction': Effect(
+        'booster', ('unknown',), {'booster.relay_friction': 1.0}, (1e-3, 5e-3, 2e-2)
+    ),
+    'slow_venting': Effect(
+        'ep_converter', ('unknown',), {'converter.slow_venting': 1.0}, (0.5, 2.5, 10.0)
+    ),
+    'position_arm': Effect(
+        'sensor',
+        ('unknown', 'position_sensor_bias'),
+        {'sensors.position_arm': 1.0},
+        (2.5e-5, 1.2e-4, 4.5e-4),
+    ),
+}
+
+NAMELESS: dict[str, Effect] = {**UNCATALOGUED, **FURTHER}
+
+EFFECTS: dict[str, Effect] = {**CATALOGUED, **UNCATALOGUED, **VARIANTS, **FURTHER}

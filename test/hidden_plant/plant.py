@@ -90,7 +90,8 @@ def run(valve, currents, start_time):
     supplied = 0.0
     released = 0.0
 
-    back_share = -math.expm1(-STEP / converter.time_constant)
+    filling_share = -math.expm1(-STEP / converter.time_constant)
+    venting_share = -math.expm1(-STEP / converter.time_constant / (1.0 + converter.slow_venting))
     late_share = -math.expm1(-STEP / converter.creep_time)
     regulator_share = -math.expm1(-STEP / supply.regulator_time)
     relax_share = -math.expm1(-STEP / stem.creep_time)
@@ -174,5 +175,5 @@ def run(valve, currents, start_time):
         supply_pressure += regulator_share * (
             regulated_pressure(supply, inflow, time) - supply_pressure
         )
-        back += back_share * (back_target - back)
+        back += (filling_share if back_target > back else venting_share) * (back_target - back)
     return rows

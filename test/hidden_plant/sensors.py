@@ -9,6 +9,7 @@ from numba import njit
 
 from .converter import play
 from .plant import COLUMNS, SAMPLE_TIME
+from .stem import Stem
 
 PRESSURE_NOISE = 150.0  # Pa RMS
 PRESSURE_RESOLUTION = 25.0  # Pa
@@ -22,6 +23,7 @@ class Sensors(NamedTuple):
     position_backlash: float = 0.0  # m, full width of lost motion in the linkage
     position_lag: float = 0.0  # s
     position_bias: float = 0.0  # m
+    position_arm: float = 0.0  # m, what the turn of the linkage's arm adds on its way, an S
     pressure_lag: float = 0.0  # s
     pressure_bias: float = 0.0  # Pa
     pressure_lateness: float = 0.0  # s, by which the pressure channel's clock is late
@@ -60,6 +62,7 @@ def sensed(sensors: Sensors, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pressure = _lagged(pressure, sensors.pressure_lag)
     time = np.arange(pressure.size) * SAMPLE_TIME
     pressure = np.interp(time - sensors.pressure_lateness, time, pressure)
+    position = position + sensors.position_arm * np.sin(2.0 * np.pi * position / Stem().travel)
     position = _lagged(_linkage(position, sensors.position_backlash), sensors.position_lag)
     return pressure + sensors.pressure_bias, position + sensors.position_bias
 

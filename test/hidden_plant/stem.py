@@ -24,6 +24,7 @@ class Stem(NamedTuple):
     stribeck_speed: float = 1e-3  # m/s
     packing_stiffness: float = 0.0  # N/m, of a packing that yields before it slides, 0: it sticks
     packing_damping: float = 0.3  # share of critical, of the stem held by such a packing
+    one_sided: float = 0.0  # N, by which friction is more while it opens, less while it closes
     coulomb_rise: float = 0.0  # N, added at full travel, in proportion to travel
     drag: float = 0.0  # m², sliding friction per chamber pressure
     hardening: float = 0.0  # relative excess of spring force at full travel, parabolic
@@ -87,6 +88,8 @@ def next_velocity(stem, position, velocity, force, chamber_pressure, step):
     comes to rest in the step in which its velocity would change sign.
     """
     sliding = sliding_friction(stem, position, chamber_pressure)
+    if stem.one_sided != 0.0:
+        sliding += math.copysign(stem.one_sided, velocity if velocity != 0.0 else force)
     break_away = sliding * (1.0 + stem.stiction)
     jam = stem.seat_jam if position <= 0.0 and force > 0.0 else 0.0
     inertia = stem.mass + step * stem.viscous_friction  # viscous drag taken at the step's end

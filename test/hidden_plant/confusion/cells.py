@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass
 
 from ..campaigns import PAIRS
 from ..cases import Case
-from ..effects import CATALOGUED, EFFECTS, SIZES, UNCATALOGUED, VARIANTS
+from ..effects import CATALOGUED, EFFECTS, NAMELESS, SIZES, VARIANTS
 
 GROUPS: dict[str, tuple[str, ...]] = {
     'catalogued': (*CATALOGUED, *VARIANTS),
-    'uncatalogued': tuple(UNCATALOGUED),
+    'uncatalogued': tuple(NAMELESS),
     'pairs': tuple('+'.join(pair) for pair in PAIRS),
     'none': ('none',),
 }

@@ -11,7 +11,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 import numpy as np
 
-from ..effects import CATALOGUED, UNCATALOGUED
+from ..effects import CATALOGUED, NAMELESS
 from .page import actual_of
 from .running import Result
 
@@ -28,7 +28,7 @@ def write_matrix(results: Sequence[Result], path: Path) -> None:
     names = list(dict.fromkeys(effect.names[0] for effect in CATALOGUED.values()))
     hidden = {actual for actual, _ in counts}
     said = {name for _, name in counts}
-    rows = [name for name in (*names, *UNCATALOGUED, 'none') if name in hidden]
+    rows = [name for name in (*names, *NAMELESS, 'none') if name in hidden]
     columns = [name for name in names if name in said | hidden] + ['unknown', 'none']
     columns += sorted(said - set(columns))
     table = np.array([[counts[row, column] for column in columns] for row in rows], dtype=float)
@@ -53,7 +53,7 @@ def _draw(figure: Figure, rows: list[str], columns: list[str], table: np.ndarray
         axes.text(column, row, f'{table[row, column]:.0f}', ha='center', va='center',
                   color='white' if table[row, column] > 0.5 * most > 1.0 else 'black')
     for row, name in enumerate(rows):
-        expected = 'unknown' if name in UNCATALOGUED else name
+        expected = 'unknown' if name in NAMELESS else name
         place = columns.index(expected)
         axes.plot(np.array([-0.5, 0.5, 0.5, -0.5, -0.5]) + place,
                   np.array([-0.5, -0.5, 0.5, 0.5, -0.5]) + row, color='#d55e00', linewidth=0.8)

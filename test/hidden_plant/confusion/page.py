@@ -9,7 +9,7 @@ import textwrap
 
 from scipy.stats import binomtest
 
-from ..effects import EFFECTS, UNCATALOGUED
+from ..effects import EFFECTS, NAMELESS
 from .cells import NO_SIZE
 from .judging import OUTCOMES
 from .running import Result
@@ -66,7 +66,7 @@ def kind_of(result: Result) -> str:
         return 'clean'
     if len(keys) > 1:
         return 'several effects'
-    return 'no name in the catalogue' if keys[0] in UNCATALOGUED else 'one effect'
+    return 'no name in the catalogue' if keys[0] in NAMELESS else 'one effect'
 
 
 def _shares(results: Sequence[Result]) -> str:
@@ -169,4 +169,4 @@ def actual_of(result: Result) -> str:
     if not result.cell.keys:
         return 'none'
     key = result.cell.keys[0]
-    return key if key in UNCATALOGUED else EFFECTS[key].names[0]
+    return key if key in NAMELESS else EFFECTS[key].names[0]
