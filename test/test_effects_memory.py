@@ -80,8 +80,7 @@ def test_plain_and_compiled_give_the_same_bits(values):
 ])
 def test_the_change_over_a_record_is_that_of_the_model(values, column, read):
     run = stepped(values)
-    table = positioner(values).discrepancy
-    change = followed(table, run['time'], run.columns)
+    change = followed(positioner(values), run['time'], run.columns)
     slope = values['discrepancy.values'][-1] / values['discrepancy.high']
     added = run[read] - run[column]
     assert np.abs(added).max() > 0.1 * values['discrepancy.values'][-1]

@@ -63,6 +63,7 @@ def errors_fall_to_the_noise(report, much=1.3):
     pytest.param('converter_creep', 'large', 90.0, 'control_current_change', marks=minutes),
     pytest.param('spring_creep', 'medium', 150.0, 'valve_position_change', marks=minutes),
     pytest.param('spool_holes', 'medium', 150.0, 'booster_force', marks=minutes),
+    pytest.param('relay_friction', 'medium', 90.0, 'booster_force_play', marks=minutes),
 ])
 def test_what_has_no_name_is_unknown_in_its_place(
         effect, size, seconds, variable, tmp_path, monkeypatch):
@@ -107,6 +108,16 @@ def test_what_follows_a_recent_change_is_found_with_the_time_it_takes(tmp_path):
     assert best.effects == ('unknown: ep_converter over control_current_change',)
     assert best.misfit < 0.03 * refit.misfit
     assert best.fit.parameters.discrepancy.memory == pytest.approx(15.0, rel=0.1)
+
+
+def test_what_follows_a_play_is_found_with_the_width_it_has(tmp_path):
+    """Of a relay that rubs with 20 mN: what is missing goes by where its force turned last."""
+    search = search_on((large('relay_friction'),), 271, tmp_path)
+    refit = search.refit()
+    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    assert best.effects == ('unknown: booster over booster_force_play',)
+    assert best.misfit < 0.01 * refit.misfit
+    assert best.fit.parameters.discrepancy.reach == pytest.approx(0.02, rel=0.1)
 
 
 def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_what_it_is(tmp_path):

@@ -110,6 +110,8 @@ def test_no_parameter_takes_what_is_out_of_its_range(name):
          'valve_position is nothing that a term in supply can follow'),
         ({'discrepancy.location': 'stem', 'discrepancy.variable': 'booster_force'},
          'booster_force is nothing that a term in stem can follow'),
+        ({'discrepancy.location': 'chamber', 'discrepancy.variable': 'booster_force_play'},
+         'booster_force_play is nothing that a term in chamber can follow'),
         ({'booster.s4': 1.0}, 'no parameter booster.s4'),
         ({'actuator.benchset': [1.0, 2.0]}, 'did you mean actuator.bench_set'),
     ],

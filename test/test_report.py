@@ -206,6 +206,22 @@ def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step(
     assert json.loads(json_text(unknown_found(), FROM))['unknown']['memory'] is None
 
 
+def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
+    values = (0.0, *np.linspace(0.05, 0.01, 10), 0.0)
+    table = discrepancy.Discrepancy(
+        discrepancy.BOOSTER, discrepancy.FORCE_PLAY, -11.0 / 9.0, 11.0 / 9.0, values, reach=0.018)
+    rubbing = BENT._replace(discrepancy=table)
+    diagnosis = replace(unknown_found(), after=rubbing, unknown=UnknownTerm(table))
+    page = Page(html_page(diagnosis, FROM))
+    assert 'through a play 0.0360 N wide' in page.text
+    assert '0.0200 N of friction' in page.text
+    assert 'chamber pressure over the back pressure is a loop' in page.text
+    assert 'place of the booster force in a play' in page.texts
+    written = json.loads(json_text(diagnosis, FROM))['unknown']
+    assert (written['reach'], written['memory']) == (0.018, None)
+    assert json.loads(json_text(unknown_found(), FROM))['unknown']['reach'] is None
+
+
 def test_a_page_is_the_same_when_made_again():
     diagnosis = friction_found()
     assert html_page(diagnosis, FROM) == html_page(diagnosis, FROM)

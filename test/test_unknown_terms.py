@@ -19,7 +19,8 @@ from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.teaching import taught
 from booster_ros.diagnosis.unknown import UNNAMED, followed, terms, with_term
 from booster_ros.model.discrepancy import (
-    CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, STEM, VARIABLES, Discrepancy, covered, remembers)
+    BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, STEM, VARIABLES, Discrepancy,
+    covered, forgets, remembers)
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PAST_UNIT, Departure
 
@@ -74,10 +75,12 @@ def test_only_what_follows_a_change_has_a_memory_of_its_own():
     assert table_of(seen(P), 'stem over valve_position').memory == Discrepancy().memory
 
 
-def test_changes_come_last_and_are_those_that_remember():
+def test_what_remembers_comes_last_and_changes_are_what_forgets():
     for number in range(len(VARIABLES)):
-        assert remembers(Discrepancy(EP_CONVERTER, number)) is (number in CHANGE_OF)
-        assert (PAST_UNIT[number] > 0.0) is (number in CHANGE_OF)
+        table = Discrepancy(BOOSTER, number)
+        assert forgets(table) is (number in CHANGE_OF)
+        assert remembers(table) is (forgets(table) or number == FORCE_PLAY)
+        assert (PAST_UNIT[number] > 0.0) is remembers(table)
 
 
 @pytest.mark.parametrize('swept', [False, True])
@@ -108,7 +111,7 @@ def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, pa
     plain = simulate(P, time, current)
     crept = simulate(P._replace(discrepancy=CREEPING), time, current,
                      departure=Departure(past=past))
-    change = followed(CREEPING, time, crept.columns, past)
+    change = followed(P._replace(discrepancy=CREEPING), time, crept.columns, past)
     later = np.append(False, np.diff(current) == 0.0) & (time > 0.5)
     slope = CREEPING.values[-1] / CREEPING.high
     lag = 1.0 / (1.0 - P.ep_converter.time_constant / CREEPING.memory)

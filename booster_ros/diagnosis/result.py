@@ -70,7 +70,12 @@ class UnknownTerm:
     @property
     def memory(self) -> float | None:
         """Time over which the variable is a change, s; None where it is none."""
-        return self.table.memory if term.remembers(self.table) else None
+        return self.table.memory if term.forgets(self.table) else None
+
+    @property
+    def reach(self) -> float | None:
+        """Half the width of the play in which the variable is a place, N; None where in none."""
+        return self.table.reach if self.table.variable == term.FORCE_PLAY else None
 
     @property
     def seen(self) -> tuple[float, float]:

@@ -6,7 +6,8 @@ A discrepancy without a name: which component lacks what, as a function of what.
 A tabulated term (model/discrepancy) is tried in every component over the variables that a missing
 effect there would depend on. Its values enter nearly linearly, so one simulation per knot and one
 linear solve, with the declared parameters reacting, tell what each can reach. What follows a change
-is tried with a few times of memory, and fitted with the best of them.
+is tried with a few times of memory, what follows a play with a few widths of it, and fitted from
+the best of them.
 """
 
 from collections.abc import Mapping
@@ -19,10 +20,11 @@ from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import START, Fit, Problem
 from booster_ros.diagnosis.freedom import Free
 from booster_ros.model import discrepancy as term
+from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy, covered
 from booster_ros.model.sensors import lagged
-from booster_ros.model.system import PAST_UNIT
+from booster_ros.model.system import PAST_UNIT, PositionerParameters, place_in_play
 
 Array = np.ndarray
 
@@ -30,7 +32,7 @@ Array = np.ndarray
 # kind first: chambers leak more often than a relay's forces depend on the pressure behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
-    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
+    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE, term.FORCE_PLAY)),
     (term.SUPPLY, 1e3, (term.TIME,)),
     (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY,
                           term.PRESSURE_CHANGE)),
@@ -52,6 +54,13 @@ LONGER = 1.5
 SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
 """Bounds of a fitted one, s: a shorter one is a lag, of a longer one no record shows the end."""
 
+REACHES = (0.003, 0.01, 0.03)
+"""Halves of the width of a play of the booster's force that are tried, N: as memories are."""
+
+SHORTEST_REACH, LONGEST_REACH = 5e-4, 0.2
+"""Bounds of a fitted one, N: a shorter one is 0.2 kPa in the chamber, a longer one all that opens
+a seat of the paper's booster."""
+
 UNNAMED = 'unknown: '
 """Before the label of a term, where models are listed by their effects."""
 
@@ -71,12 +80,17 @@ leaves to the declared parameters what stays the same everywhere. They hold beyo
 
 @dataclass(frozen=True)
 class Term:
-    """A place for a discrepancy: component, variable, a size that shows, memory of a change, s."""
+    """
+    A place for a discrepancy: component, variable, a size that shows.
+
+    And what it has of a past: the memory of a change, s, the reach of a play, N.
+    """
 
     location: int
     variable: int
     size: float
     memory: float = Discrepancy().memory
+    reach: float = Discrepancy().reach
 
     @property
     def place(self) -> str:
@@ -102,21 +116,33 @@ def terms(channels: tuple[str, ...]) -> list[Term]:
         absent.add(term.PRESSURE_SENSOR)
     if 'valve_position' not in channels:
         absent |= {term.POSITION_SENSOR, term.STEM}
-    return [Term(location, variable, size, memory) for location, size, variables in _TERMS
+    return [one for location, size, variables in _TERMS
             for variable in variables if location not in absent
-            for memory in (
-                TIMES_OF_MEMORY if variable in term.CHANGE_OF else (Discrepancy().memory,))]
+            for one in _with_pasts(Term(location, variable, size))]
 
 
-def followed(table: Discrepancy, time: Array, columns: Mapping[str, Array], past: float = 0.0
+def _with_pasts(one: Term) -> list[Term]:
+    """Return the term with each past that is tried; itself where it has none."""
+    if one.variable in term.CHANGE_OF:
+        return [replace(one, memory=memory) for memory in TIMES_OF_MEMORY]
+    if one.variable == term.FORCE_PLAY:
+        return [replace(one, reach=reach) for reach in REACHES]
+    return [one]
+
+
+def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array], past: float = 0.0
              ) -> Array:
     """
-    Return the variable of a term over time (s), shape (n,).
+    Return the variable of the term in these parameters over time (s), shape (n,).
 
-    `columns` are channels of a run or a record; what a change is one of must be among them. `past`
-    is that of the start's `Departure`. Of a change of the current that is the one given, which a
-    dead time or a hysteresis hides from the model for a while.
+    `columns` are channels of a run or a record; what a change is one of must be among them, of a
+    play of the booster's force all that makes up that. `past` is that of the start's `Departure`.
+    Of a change of the current that is the one given, which a dead time or a hysteresis hides from
+    the model for a while.
     """
+    table = p.discrepancy
+    if table.variable == term.FORCE_PLAY:
+        return _places_in_play(p, columns, past * PAST_UNIT[term.FORCE_PLAY])
     if table.variable not in term.CHANGE_OF:
         return columns[term.VARIABLES[table.variable]]
     now = columns[term.VARIABLES[term.CHANGE_OF[table.variable]]]
@@ -130,6 +156,18 @@ def followed(table: Discrepancy, time: Array, columns: Mapping[str, Array], past
     return now - remembered
 
 
+def _places_in_play(p: PositionerParameters, columns: Mapping[str, Array], past: float) -> Array:
+    """Return where in its play the booster's force stands row by row, -1 to 1, shape (n,)."""
+    pressures = np.column_stack(
+        [columns[name] for name in ('back_pressure', 'outlet_pressure', 'supply_pressure')])
+    places = np.empty(len(pressures))
+    for k, (back, outlet, supply) in enumerate(pressures.tolist()):
+        force = diaphragm_force(p.booster, back, outlet, supply)
+        places[k] = place_in_play(p.discrepancy, past, force)
+        past = force - p.discrepancy.reach * places[k]
+    return np.clip(places, -1.0, 1.0)  # but for rounding they are
+
+
 def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
     """
     Return the problem with the table's inner values free, over the range in the rows `seen`.
@@ -137,12 +175,14 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     As it was measured, where it was: a model without the term may stay within half of that. The
     rows are to hold those between the fitted ones as well: the table is zero beyond its range, and
     a run that leaves it comes back with a chamber that knows nothing of the term. Of a change the
-    range is that of a longer memory, as a fit may find one.
+    range is that of a longer memory, as a fit may find one; that of a play is its own.
     """
-    empty = Discrepancy(one.location, one.variable, memory=one.memory)
-    longer = empty._replace(memory=LONGER * one.memory)
-    values = _course(problem.experiment, reference, longer, seen)
-    low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
+    empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
+    low, high = -1.0, 1.0
+    if one.variable != term.FORCE_PLAY:
+        longer = empty._replace(memory=LONGER * one.memory)
+        values = _course(problem.experiment, reference, longer, seen)
+        low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
     table = empty._replace(low=float(low - spacing), high=float(high + spacing))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
@@ -165,18 +205,21 @@ def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Ar
     elif table.variable in term.CHANGE_OF:
         known = np.isfinite(values)
         values = np.interp(experiment.time, experiment.time[known], values[known])
-    return followed(table, experiment.time, {name: np.asarray(values)})
+    p = reference.parameters._replace(discrepancy=table)
+    return followed(p, experiment.time, {name: np.asarray(values)})
 
 
-def with_free_memory(joint: Problem, z: Array) -> tuple[Problem, Array]:
-    """Return problem and z with the memory of a change free as well, if the term follows one."""
+def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
+    """Return problem and z with the memory of a change, or the reach of a play, free as well."""
     table = joint.base.discrepancy
-    if table.variable not in term.CHANGE_OF:
+    if table.variable in term.CHANGE_OF:
+        name, begin, low, high = 'memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY
+    elif table.variable == term.FORCE_PLAY:
+        name, begin, low, high = 'reach', table.reach, SHORTEST_REACH, LONGEST_REACH
+    else:
         return joint, z
-    knob = Knob('discrepancy.memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY, table.memory,
-                shape=True)
     where = len(joint.freedoms)
-    free = Free(knob, table.memory, table.memory)
+    free = Free(Knob(f'discrepancy.{name}', begin, low, high, begin, shape=True), begin, begin)
     return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
 
 
@@ -186,8 +229,11 @@ def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
 
     A leak that grows along the travel does not vanish just beyond the last position seen: a valve
     that goes there would meet a step which no record showed. No fade is longer than the table.
+    Nothing is beyond a play.
     """
     table = fit.parameters.discrepancy
+    if table.variable == term.FORCE_PLAY:
+        return problem
     first, last = covered(table)
     inner = np.array(table.values[1:-1])
     spacing = (last - first) / (KNOTS - 3)
@@ -199,16 +245,29 @@ def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
     return replace(problem, base=problem.base._replace(discrepancy=gentle))
 
 
+def beside(one: Term, z: Array, where: int) -> Array:
+    """
+    Return z, `where` parameters and the start, with the term's values to begin with between them.
+
+    None, but where it follows a play: there what the force moves stands still, as it does in a
+    play. No small one is like it.
+    """
+    values = np.zeros(KNOTS - 2)
+    if one.variable == term.FORCE_PLAY:
+        values = np.linspace(1.0, -1.0, KNOTS - 2) * one.reach / one.size
+    return np.concatenate([z[:where], values, z[where:]])
+
+
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
                  ) -> tuple[float, Array, Array, Problem]:
     """
     Return what a term can reach by linear reckoning.
 
-    The cost, z without the term, the move in z that is to be tried, and the term's problem.
+    The cost, z to begin with, the move in z that is to be tried, and the term's problem.
     """
     joint = with_term(problem, reference, one, seen)
+    z = beside(one, reference.z, len(problem.freedoms))
     where = len(problem.freedoms)
-    z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
     r = joint.residuals(z)
     columns = []
     for j in range(where, where + KNOTS - 2):

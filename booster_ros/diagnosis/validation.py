@@ -53,7 +53,7 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tup
     if unknown is None:
         return ()
     run = experiment.simulate(diagnosis.after, start)
-    seen = followed(unknown.table, experiment.time, run.columns, start.departure.past)
+    seen = followed(diagnosis.after, experiment.time, run.columns, start.departure.past)
     share = float(np.mean((seen < unknown.seen[0]) | (seen > unknown.seen[1])))
     if share < WORTH_SAYING:
         return ()

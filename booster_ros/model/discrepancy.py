@@ -17,13 +17,14 @@ LOCATION_UNITS = ('-', 'Pa', 'N', 'Pa', 'kg/s', 'N', 'Pa', 'm', 'm^3')
 NONE, EP_CONVERTER, BOOSTER, SUPPLY, CHAMBER, STEM, PRESSURE_SENSOR, POSITION_SENSOR, \
     CHAMBER_VOLUME = range(9)
 
-# Changes come last: compiled code tells them by their number (`remembers`).
+# What needs a past comes last: compiled code tells it by its number (`remembers`, `forgets`).
 VARIABLES = ('time', 'control_current', 'back_pressure', 'supply_pressure', 'chamber_pressure',
              'valve_position', 'stem_velocity', 'booster_force', 'control_current_change',
-             'chamber_pressure_change', 'valve_position_change')
-VARIABLE_UNITS = ('s', 'A', 'Pa', 'Pa', 'Pa', 'm', 'm/s', 'N', 'A', 'Pa', 'm')
+             'chamber_pressure_change', 'valve_position_change', 'booster_force_play')
+VARIABLE_UNITS = ('s', 'A', 'Pa', 'Pa', 'Pa', 'm', 'm/s', 'N', 'A', 'Pa', 'm', '-')
 TIME, CONTROL_CURRENT, BACK_PRESSURE, SUPPLY_PRESSURE, CHAMBER_PRESSURE, VALVE_POSITION, \
-    STEM_VELOCITY, BOOSTER_FORCE, CURRENT_CHANGE, PRESSURE_CHANGE, POSITION_CHANGE = range(11)
+    STEM_VELOCITY, BOOSTER_FORCE, CURRENT_CHANGE, PRESSURE_CHANGE, POSITION_CHANGE, \
+    FORCE_PLAY = range(12)
 
 CHANGE_OF = {CURRENT_CHANGE: CONTROL_CURRENT, PRESSURE_CHANGE: CHAMBER_PRESSURE,
              POSITION_CHANGE: VALVE_POSITION}
@@ -57,24 +58,33 @@ class Discrepancy(NamedTuple):
     memory: Annotated[float, Quantity(
         's', 'of a change, else ignored: time in which 63 % of what was is forgotten',
         1e-2, 1e6)] = 10.0
+    reach: Annotated[float, Quantity(
+        'N', 'of a play of the force, else ignored: half its width', 1e-6, 10.0)] = 0.01
 
 
 def remembers(table: Discrepancy) -> bool:
-    """Tell whether the term follows a change."""
+    """Tell whether the term depends on what was."""
     return table.location != NONE and table.variable >= CURRENT_CHANGE
+
+
+def forgets(table: Discrepancy) -> bool:
+    """Tell whether the term follows a change, of which what was is forgotten in time."""
+    return remembers(table) and table.variable != FORCE_PLAY
 
 
 def can_depend(location: int, variable: int) -> bool:
     """
     Tell whether the term of a component can follow a variable.
 
-    The supply knows the time alone; the booster's force is no input of converter and stem; the
-    chamber's volume changes with the stem and the pressure.
+    The supply knows the time alone; the booster's force is no input of converter and stem, and has
+    a play in the booster only; the chamber's volume changes with the stem and the pressure.
     """
     if location == SUPPLY:
         return variable == TIME
     if location == CHAMBER_VOLUME:
         return variable in (CHAMBER_PRESSURE, VALVE_POSITION)
+    if variable == FORCE_PLAY:
+        return location == BOOSTER
     return variable != BOOSTER_FORCE or location not in (EP_CONVERTER, STEM)
 
 

@@ -6,7 +6,7 @@ from .ahead import covers, go_along
 from .solver import Workspace, advance
 from .system import (
     CHAMBER, POSITION, STANDING, STATES, STEP_AHEAD, TRIAL_STEP, PositionerParameters,
-    depends_on_time, hold_inactive_states, measure, observe, seen_current)
+    depends_on_time, follow_play, hold_inactive_states, measure, observe, seen_current)
 
 LONGEST_STEP = 0.5
 """While a current stands, steps over several intervals are no longer than this, s."""
@@ -43,6 +43,7 @@ def interval(
         advance(
             p, time, seen, length, y, memory, active, count, tolerance, w, longest_ahead)
     hold_inactive_states(p, time + length, y, pinned)
+    follow_play(p, y)
     measure(p, memory, before, y, length)
     return seen
 

@@ -18,7 +18,7 @@ from .actuator import (
     sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
-from .discrepancy import Discrepancy, interpolate, remembers, slope
+from .discrepancy import Discrepancy, forgets, interpolate, remembers, slope
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
 from .gas import ATMOSPHERE
 from .sensors import Sensors, lagged, position_reading, pressure_reading
@@ -40,10 +40,10 @@ MEMORIES = 10
 
 
 # By the variables of a term: the state that each is, or is a change of, -1 where it is none; and
-# the unit of the state `past` in which that is of order one, 0 for no change.
+# the unit of the state `past` in which that is of order one, 0 for no past.
 STATE_OF_VARIABLE = (
-    -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION)
-PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2)
+    -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION, -1)
+PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
 
 LARGEST_YIELD = 0.5
 """Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
@@ -95,7 +95,7 @@ def is_active(p: PositionerParameters, state: int) -> bool:
     if state == TEMPERATURE:
         return p.actuator.thermal_resistance > 0.0
     if state == PAST:
-        return remembers(p.discrepancy)
+        return forgets(p.discrepancy)
     if state == PRESLIDING:
         return has_dry_friction(p.actuator) and not is_rigid(p.actuator)
     return True
@@ -109,7 +109,7 @@ def hold_inactive_states(p: PositionerParameters, time: float, y, pinned) -> Non
         y[OUTLET] = y[CHAMBER]
     if p.actuator.thermal_resistance <= 0.0:
         y[TEMPERATURE] = p.supply.temperature
-    if not is_active(p, PAST):
+    if not remembers(p.discrepancy):
         y[PAST] = 0.0
     if not is_active(p, PRESLIDING):
         y[PRESLIDING] = 0.0
@@ -134,8 +134,12 @@ def present(table: Discrepancy, time: float, current: float, y, force: float) ->
 
 
 def settled_past(table: Discrepancy, current: float, y) -> float:
-    """Return the state `past` of a term whose variable has been what it is for long."""
-    if not remembers(table):
+    """
+    Return the state `past` of a term whose variable has been what it is for long.
+
+    A play of the booster's force stands where the seats are shut, which is where it rests.
+    """
+    if not forgets(table):
         return 0.0
     return present(table, 0.0, current, y, 0.0) / PAST_UNIT[table.variable]
 
@@ -148,13 +152,33 @@ def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: fl
     and nearly always there is none.
     """
     past = PAST_UNIT[table.variable] * y[PAST]
+    if table.variable == term.FORCE_PLAY:
+        return interpolate(table, place_in_play(table, past, force))
     return interpolate(table, present(table, time, current, y, force) - past)
+
+
+def place_in_play(table: Discrepancy, past: float, force: float) -> float:
+    """Return where in its play a force (N) stands, -1 to 1; what it moves stood at `past` (N)."""
+    return (force - play(past, force, 2.0 * table.reach)) / table.reach
+
+
+def follow_play(p: PositionerParameters, y) -> None:
+    """Let what the booster's force moves through a play come along to where it is now."""
+    table = p.discrepancy
+    if remembers(table) and table.variable == term.FORCE_PLAY:
+        unit = PAST_UNIT[term.FORCE_PLAY]
+        y[PAST] = play(unit * y[PAST], undisturbed_force(p, y), 2.0 * table.reach) / unit
+
+
+def undisturbed_force(p: PositionerParameters, y) -> float:
+    """Return the force on the booster's stack of diaphragms, N."""
+    outlet = y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
+    return diaphragm_force(p.booster, y[BACK], outlet, y[SUPPLY])
 
 
 def booster_force(p: PositionerParameters, time: float, current: float, y) -> float:
     """Return the force that opens the booster's seats, N."""
-    outlet = y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
-    force = diaphragm_force(p.booster, y[BACK], outlet, y[SUPPLY])
+    force = undisturbed_force(p, y)
     if p.discrepancy.location == term.BOOSTER:
         force += discrepancy_at(p.discrepancy, time, current, y, force)
     return force
@@ -243,7 +267,7 @@ def derivatives(
             p.actuator, chamber, volume, swept, compliance, delivered - leaked, ambient)
 
     rates[PAST] = 0.0
-    if remembers(p.discrepancy):
+    if forgets(p.discrepancy):
         settled_at = settled_past(p.discrepancy, current, y)
         rates[PAST] = (settled_at - y[PAST]) / p.discrepancy.memory
 
@@ -339,7 +363,7 @@ class Departure(NamedTuple):
     `back_pressure` in Pa; `ep_play` and `position_play` say where in its play the current's and the
     position reading's part stands: share of half the width, -1 to 1; `temperature` in K, by which
     the chamber's air is warmer than its wall; `past` by how much what a term remembers is above
-    what is, in the unit of that state (PAST_UNIT: 0.1 mA, 1 bar, 10 mm).
+    what is, in the unit of that state (PAST_UNIT: 0.1 mA, 1 bar, 10 mm, 0.1 N).
     """
 
     back_pressure: float = 0.0

@@ -67,6 +67,7 @@ def _unknown(term: UnknownTerm | None) -> dict[str, Any] | None:
     return {
         'location': term.location, 'unit': term.unit,
         'variable': term.variable, 'variable_unit': term.variable_unit, 'memory': term.memory,
+        'reach': term.reach,
         'at': [float(v) for v in term.knots], 'values': [float(v) for v in term.values],
     }
 

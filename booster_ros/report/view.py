@@ -102,7 +102,7 @@ class View:
         run = experiment.simulate(self.diagnosis.after)
         states = {name: run[name] for name in ('time', *VARIABLES)}
         if unknown is not None:
-            states[unknown.variable] = followed(unknown.table, experiment.time, run.columns)
+            states[unknown.variable] = followed(self.diagnosis.after, experiment.time, run.columns)
         return states
 
     def state(self, name: str) -> Array:

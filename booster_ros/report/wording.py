@@ -29,6 +29,7 @@ _CHANNELS = {
     'control_current_change': 'recent change of the control current',
     'chamber_pressure_change': 'recent change of the chamber pressure',
     'valve_position_change': 'recent change of the valve position',
+    'booster_force_play': 'place of the booster force in a play',
     'time': 'time',
 }
 
@@ -125,6 +126,14 @@ def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
 
 def _sentence_on_unknown(unknown: UnknownTerm) -> str:
     variable, size = scale_of(unknown.variable_unit), scale_of(unknown.unit)
+    if unknown.reach is not None:
+        width = size.text(2.0 * unknown.reach)
+        inner = unknown.values[1:-1]
+        rubs = size.text(0.5 * float(inner.max() - inner.min()))
+        return (
+            f'What the booster opens seems to follow its force through a play {width} wide, as '
+            f'where {rubs} of friction hold its diaphragms. It is in the model as a table over '
+            'the place in that play.')
     largest = max((float(v) for v in unknown.values), key=abs)
     over_time = unknown.variable == 'time'
     elsewhere = ', and the model is the declared one, refitted' if over_time else ''
@@ -158,6 +167,9 @@ def unknown_experiment(unknown: UnknownTerm) -> str:
     if unknown.memory is not None:
         return (f'make one step and let it stand ten times {number(unknown.memory)} s, {there}: '
                 'what creeps goes on where all else has settled')
+    if unknown.reach is not None:
+        return (f'let the control current rise and fall slowly over the same span, {there}: the '
+                'chamber pressure over the back pressure is a loop')
     return f'vary the {channel_label(unknown.variable)} alone, {there}'
 
 
