@@ -19,12 +19,10 @@ LEG = 30.0
 
 
 def rubbing(reach):
-    """Return values of a term that takes from the force what rubs: ±`reach`, in N."""
-    spread = reach * (1.0 + 2.0 / 9.0)  # the table goes on as straight to its very ends
+    """Return values of a play alone: what rubs with ±`reach`, in N."""
     return {
         'discrepancy.location': 'booster', 'discrepancy.variable': 'booster_force_play',
         'discrepancy.reach': reach, 'discrepancy.low': -11.0 / 9.0, 'discrepancy.high': 11.0 / 9.0,
-        'discrepancy.values': list(np.linspace(spread, -spread, 12)),
     }
 
 
@@ -68,11 +66,12 @@ def test_plain_and_compiled_give_the_same_bits():
 
 @pytest.mark.parametrize('past', [0.0, 0.07])
 def test_the_place_in_the_play_over_a_record_is_that_of_the_model(past):
-    run = to_and_fro(rubbing(REACH), departure=Departure(past=past))
-    p = positioner(rubbing(REACH))
+    values = {**rubbing(REACH), 'discrepancy.values': [0.0, *np.linspace(1e-3, 4e-3, 10), 0.0]}
+    run = to_and_fro(values, departure=Departure(past=past))
+    p = positioner(values)
     places = followed(p, run['time'], run.columns, past)
     assert (places.min(), places.max()) == pytest.approx((-1.0, 1.0))
-    added = [interpolate(p.discrepancy, place) for place in places]
+    added = [interpolate(p.discrepancy, place) - REACH * place for place in places]
     assert run['booster_force'] - force_on_the_stack(run) == pytest.approx(added, abs=1e-9)
 
 
@@ -102,3 +101,17 @@ def test_a_plant_that_gets_such_a_term_goes_on_from_where_it_is():
     assert plant.outputs().chamber_pressure == pytest.approx(before, abs=1.0)
     plant.advance(float(current_for(210e3)), 3000)  # 31 mN: it opens, and shuts late
     assert 210e3 < plant.outputs().chamber_pressure < 210e3 + REACH / S3
+
+
+def test_a_constant_beside_a_play_is_an_offset_of_the_converter():
+    """From the start on: where a play rests goes by where the seats are shut."""
+    table = {**rubbing(REACH), 'discrepancy.low': -100.0, 'discrepancy.high': 100.0}
+    extra = 0.03
+    moved = {**table, 'ep_converter.offset': -extra / 13.52e-6,
+             'discrepancy.values': [0.0, *[extra] * 10, 0.0]}
+    time = rows(20.0)
+    current = np.where(time < 2.0, LOW, HIGH)
+    for begin in (180e3, 182e3):
+        one, other = (simulate(positioner(values), time, current, {'chamber_pressure': begin})
+                      for values in (table, moved))
+        assert other['chamber_pressure'] == pytest.approx(one['chamber_pressure'], abs=50.0)

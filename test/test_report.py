@@ -207,7 +207,7 @@ def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step(
 
 
 def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
-    values = (0.0, *np.linspace(0.05, 0.01, 10), 0.0)
+    values = (0.0, *np.linspace(0.03, 0.026, 10), 0.0)
     table = discrepancy.Discrepancy(
         discrepancy.BOOSTER, discrepancy.FORCE_PLAY, -11.0 / 9.0, 11.0 / 9.0, values, reach=0.018)
     rubbing = BENT._replace(discrepancy=table)
@@ -219,6 +219,7 @@ def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
     assert 'place of the booster force in a play' in page.texts
     written = json.loads(json_text(diagnosis, FROM))['unknown']
     assert (written['reach'], written['memory']) == (0.018, None)
+    assert written['values'][1:-1] == pytest.approx(np.linspace(0.048, 0.008, 10))
     assert json.loads(json_text(unknown_found(), FROM))['unknown']['reach'] is None
 
 

@@ -15,7 +15,7 @@ from booster_ros.diagnosis.segments import USED
 from booster_ros.diagnosis.selection import WELL_EXPLAINED, Tried
 from booster_ros.diagnosis.teaching import taught_what_it_missed
 from booster_ros.diagnosis.unknown import (
-    UNNAMED, Term, beside, linear_reach, moved, terms, with_free_past)
+    UNNAMED, linear_reach, moved, terms, with_free_past)
 from booster_ros.model import discrepancy as term
 from booster_ros.model.actuator import has_dry_friction
 
@@ -193,17 +193,16 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
               and not (experiment.quasi_static and one.variable in term.CHANGE_OF)]
     seen, _ = search.rows_and_experiment(USED, search.thinning)
     reference = thin.at(refit.fit.z)
-    reached: dict[str, tuple[float, Array, Array, Problem, Term]] = {}
+    reached: dict[str, tuple[float, Array, Array, Problem]] = {}
     for one in likely:  # the same term may be there with several pasts
         reach = linear_reach(thin, reference, one, seen)
         if one.label not in reached or reach[0] < reached[one.label][0]:
-            reached[one.label] = (*reach, one)
+            reached[one.label] = reach
     least = min((cost for cost, *_ in reached.values()), default=0.0)
     begun: dict[str, tuple[float, Problem, Array]] = {}
-    for label, (cost, z, move, joint, one) in reached.items():
+    for label, (cost, z, move, joint) in reached.items():
         if cost < WITHIN_REACH * least:
-            start = moved(joint, z, move) if cost < POINTED_AT * least else beside(
-                one, thin.start(), len(thin.freedoms))
+            start = moved(joint, z, move) if cost < POINTED_AT * least else joint.start()
             problem, start = with_free_past(joint, start)
             first = problem.fit(start, evaluations=FIRST_EVALUATIONS)
             begun[label] = (first.cost, problem, first.z)

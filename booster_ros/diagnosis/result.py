@@ -90,8 +90,9 @@ class UnknownTerm:
 
     @property
     def values(self) -> Array:
-        """What it adds there, shape (term.KNOTS,)."""
-        return np.array(self.table.values)
+        """What it adds there, shape (term.KNOTS,); with what is behind a play."""
+        added = np.array(self.table.values)
+        return added if self.reach is None else added - self.reach * self.knots
 
 
 AS_GOOD_AS_MEASURED = 1.3

@@ -24,7 +24,8 @@ from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy, covered
 from booster_ros.model.sensors import lagged
-from booster_ros.model.system import PAST_UNIT, PositionerParameters, place_in_play
+from booster_ros.model.system import (
+    PAST_UNIT, PositionerParameters, past_at_rest, place_in_play)
 
 Array = np.ndarray
 
@@ -32,7 +33,8 @@ Array = np.ndarray
 # kind first: chambers leak more often than a relay's forces depend on the pressure behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
-    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE, term.FORCE_PLAY)),
+    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
+    (term.BOOSTER, 0.002, (term.FORCE_PLAY,)),
     (term.SUPPLY, 1e3, (term.TIME,)),
     (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY,
                           term.PRESSURE_CHANGE)),
@@ -163,6 +165,8 @@ def _places_in_play(p: PositionerParameters, columns: Mapping[str, Array], past:
     places = np.empty(len(pressures))
     for k, (back, outlet, supply) in enumerate(pressures.tolist()):
         force = diaphragm_force(p.booster, back, outlet, supply)
+        if k == 0:
+            past += past_at_rest(p.discrepancy, force)
         places[k] = place_in_play(p.discrepancy, past, force)
         past = force - p.discrepancy.reach * places[k]
     return np.clip(places, -1.0, 1.0)  # but for rounding they are
@@ -245,29 +249,16 @@ def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
     return replace(problem, base=problem.base._replace(discrepancy=gentle))
 
 
-def beside(one: Term, z: Array, where: int) -> Array:
-    """
-    Return z, `where` parameters and the start, with the term's values to begin with between them.
-
-    None, but where it follows a play: there what the force moves stands still, as it does in a
-    play. No small one is like it.
-    """
-    values = np.zeros(KNOTS - 2)
-    if one.variable == term.FORCE_PLAY:
-        values = np.linspace(1.0, -1.0, KNOTS - 2) * one.reach / one.size
-    return np.concatenate([z[:where], values, z[where:]])
-
-
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
                  ) -> tuple[float, Array, Array, Problem]:
     """
     Return what a term can reach by linear reckoning.
 
-    The cost, z to begin with, the move in z that is to be tried, and the term's problem.
+    The cost, z with a table of zeros, the move in z that is to be tried, and the term's problem.
     """
     joint = with_term(problem, reference, one, seen)
-    z = beside(one, reference.z, len(problem.freedoms))
     where = len(problem.freedoms)
+    z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
     r = joint.residuals(z)
     columns = []
     for j in range(where, where + KNOTS - 2):

@@ -59,7 +59,8 @@ class Discrepancy(NamedTuple):
         's', 'of a change, else ignored: time in which 63 % of what was is forgotten',
         1e-2, 1e6)] = 10.0
     reach: Annotated[float, Quantity(
-        'N', 'of a play of the force, else ignored: half its width', 1e-6, 10.0)] = 0.01
+        'N', 'of a play of the force, beside the table, else ignored: half its width',
+        1e-6, 10.0)] = 0.01
 
 
 def remembers(table: Discrepancy) -> bool:

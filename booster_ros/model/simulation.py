@@ -13,7 +13,7 @@ from .solver import new_workspace
 from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
     CENTRED, MEMORIES, PAST, STANDING, Departure, Outputs, PositionerParameters, booster_force,
-    hold_inactive_states, observe, settled_past, readings, start_memory)
+    hold_inactive_states, observe, readings, rest_in_play, settled_past, start_memory)
 
 DEFAULT_STEP = 1e-3
 """Interval of the stepping plant, s."""
@@ -55,6 +55,7 @@ class Plant:
         table, before = parameters.discrepancy, self._parameters.discrepancy
         if (table.location, table.variable) != (before.location, before.variable):
             self._y[PAST] = settled_past(table, self._seen, self._y)  # as if at rest for long
+            rest_in_play(parameters, self._y)
         self._parameters = parameters
         self._active = active_states(parameters)
         self._memory[STANDING] = math.nan  # a step ahead was for other parameters

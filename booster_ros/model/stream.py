@@ -17,7 +17,7 @@ from .supply import set_pressure
 from .system import (
     BACK, CENTRED, CHAMBER, MEMORIES, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES,
     SUPPLY, TEMPERATURE, Departure, Outputs, PositionerParameters, discrepancy_at, held_force,
-    hold_inactive_states, is_active, settled_past, start_current, start_memory)
+    hold_inactive_states, is_active, rest_in_play, settled_past, start_current, start_memory)
 
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""
@@ -50,6 +50,7 @@ def settled_state(
     if p.discrepancy.location == EP_CONVERTER:
         extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
     y[BACK] = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
+    rest_in_play(p, y)
     if is_active(p, PRESLIDING):
         y[PRESLIDING] = held_force(p, time, current, y)
     return y
@@ -89,6 +90,7 @@ class Stream:
         for name, value in given.items():
             y[STATE_NAMES.index(name)] = value
         y[BACK] += departure.back_pressure
+        rest_in_play(parameters, y)
         y[TEMPERATURE] += departure.temperature
         y[PAST] += departure.past
         hold_inactive_states(parameters, time, y, ())

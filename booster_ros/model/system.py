@@ -45,6 +45,9 @@ STATE_OF_VARIABLE = (
     -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION, -1)
 PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
 
+PLACES = 200
+"""Of a play, between its ends, from which the one at rest is chosen."""
+
 LARGEST_YIELD = 0.5
 """Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
 
@@ -134,11 +137,7 @@ def present(table: Discrepancy, time: float, current: float, y, force: float) ->
 
 
 def settled_past(table: Discrepancy, current: float, y) -> float:
-    """
-    Return the state `past` of a term whose variable has been what it is for long.
-
-    A play of the booster's force stands where the seats are shut, which is where it rests.
-    """
+    """Return the state `past` of a term whose variable has been what it is for long."""
     if not forgets(table):
         return 0.0
     return present(table, 0.0, current, y, 0.0) / PAST_UNIT[table.variable]
@@ -153,13 +152,42 @@ def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: fl
     """
     past = PAST_UNIT[table.variable] * y[PAST]
     if table.variable == term.FORCE_PLAY:
-        return interpolate(table, place_in_play(table, past, force))
+        return behind_play(table, past, force)
     return interpolate(table, present(table, time, current, y, force) - past)
 
 
 def place_in_play(table: Discrepancy, past: float, force: float) -> float:
     """Return where in its play a force (N) stands, -1 to 1; what it moves stood at `past` (N)."""
     return (force - play(past, force, 2.0 * table.reach)) / table.reach
+
+
+def behind_play(table: Discrepancy, past: float, force: float) -> float:
+    """Return what is to be added to a force (N) for what opens the seats behind its play, N."""
+    place = place_in_play(table, past, force)
+    return interpolate(table, place) - table.reach * place
+
+
+def past_at_rest(table: Discrepancy, force: float) -> float:
+    """
+    Return where what a force (N) moves through a play stands at rest, N.
+
+    A booster rests with both seats shut, or as nearly as the play has room for.
+    """
+    least, at_rest = math.inf, force
+    for k in range(PLACES + 1):
+        place = 2.0 * k / PLACES - 1.0
+        moved = force - table.reach * place
+        opening = abs(force + behind_play(table, moved, force))
+        if opening < least:
+            least, at_rest = opening, moved
+    return at_rest
+
+
+def rest_in_play(p: PositionerParameters, y) -> None:
+    """Put what the booster's force moves through a play to where it is at rest, if there is one."""
+    if remembers(p.discrepancy) and p.discrepancy.variable == term.FORCE_PLAY:
+        y[PAST] = past_at_rest(
+            p.discrepancy, undisturbed_force(p, y)) / PAST_UNIT[term.FORCE_PLAY]
 
 
 def follow_play(p: PositionerParameters, y) -> None:
