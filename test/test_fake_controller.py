@@ -278,6 +278,7 @@ def test_simulated_time_sets_the_pace(tmp_path, ros_client):
     ({'levels': []}, 'an empty list ([]) is no value of a parameter'),
     ({'wait_timeout': 0.3}, 'nobody subscribes to /alone/control_current'),
     ({'wait_timeout': 0.3, 'lockstep': True}, 'there is no /alone/positioner/step'),
+    ({'wait_timeout': 0.3, 'lockstep': True}, 'there is no /alone/positioner/get_parameters'),
 ])
 def test_what_it_cannot_do_it_says_in_a_sentence(parameters, says):
     with controller('-r', '__ns:=/alone', **parameters) as node:

@@ -55,11 +55,17 @@ class Lockstep:
         self._arrival: Future | None = None
 
     def missing(self) -> list[str]:
-        """Return the services that nobody offers."""
-        return [
-            f'there is no {self._node.resolve_service_name(client.srv_name)}'
-            for client in (self._pause, self._reset, self._step) if not client.service_is_ready()
-        ]
+        """
+        Return the services that nobody offers.
+
+        Those of the parameters as well: they may be found later, and what is asked before is lost.
+        """
+        missing = [
+            client.srv_name for client in (self._pause, self._reset, self._step)
+            if not client.service_is_ready()]
+        if not self._parameters.services_are_ready():
+            missing.append(f'{self._positioner}/get_parameters')
+        return [f'there is no {self._node.resolve_service_name(name)}' for name in missing]
 
     def begin(self, player: Player, last_sample: int) -> None:
         """Play from now on, as a task beside the callbacks of the node."""
