@@ -22,10 +22,10 @@ from booster_ros.diagnosis.freedom import Free
 from booster_ros.model import discrepancy as term
 from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.catalogue import Knob
-from booster_ros.model.discrepancy import KNOTS, Discrepancy, covered
+from booster_ros.model.discrepancy import (
+    KNOTS, Discrepancy, covered, past_at_rest, place_in_play)
 from booster_ros.model.sensors import lagged
-from booster_ros.model.system import (
-    PAST_UNIT, PositionerParameters, past_at_rest, place_in_play)
+from booster_ros.model.system import PAST_UNIT, PositionerParameters
 
 Array = np.ndarray
 

@@ -5,10 +5,15 @@ What a record showed beyond the named effects: a tabulated term in one component
 
 The table is piecewise linear over one variable. What the record covered lies between its second
 value and its last but one; beyond, the term fades to the outermost values and is zero from there.
+
+A force that acts through a play (friction of a relay) is part of the term that follows its place
+there; the table adds to it.
 """
 
+import math
 from typing import Annotated, NamedTuple
 
+from .ep_converter import play
 from .quantity import Quantity
 
 LOCATIONS = ('none', 'ep_converter', 'booster', 'supply', 'chamber', 'stem', 'pressure_sensor',
@@ -31,6 +36,9 @@ CHANGE_OF = {CURRENT_CHANGE: CONTROL_CURRENT, PRESSURE_CHANGE: CHAMBER_PRESSURE,
 """The variable that a change is one of."""
 
 KNOTS = 12
+
+PLACES = 200
+"""Of a play, between its ends, from which the one at rest is chosen."""
 
 
 class Discrepancy(NamedTuple):
@@ -124,3 +132,30 @@ def _interval(table: Discrepancy, value: float) -> tuple[int, float, float]:
     place = 1.0 + (value - first) / (last - first) * (KNOTS - 3)
     left = min(int(place), KNOTS - 3)
     return left, place - left, (last - first) / (KNOTS - 3)
+
+
+def place_in_play(table: Discrepancy, past: float, force: float) -> float:
+    """Return where in its play a force (N) stands, -1 to 1; what it moves stood at `past` (N)."""
+    return (force - play(past, force, 2.0 * table.reach)) / table.reach
+
+
+def behind_play(table: Discrepancy, past: float, force: float) -> float:
+    """Return what is to be added to a force (N) for what opens the seats behind its play, N."""
+    place = place_in_play(table, past, force)
+    return interpolate(table, place) - table.reach * place
+
+
+def past_at_rest(table: Discrepancy, force: float) -> float:
+    """
+    Return where what a force (N) moves through a play stands at rest, N.
+
+    A booster rests with both seats shut, or as nearly as the play has room for.
+    """
+    least, at_rest = math.inf, force
+    for k in range(PLACES + 1):
+        place = 2.0 * k / PLACES - 1.0
+        moved = force - table.reach * place
+        opening = abs(force + behind_play(table, moved, force))
+        if opening < least:
+            least, at_rest = opening, moved
+    return at_rest

@@ -18,7 +18,8 @@ from .actuator import (
     sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
-from .discrepancy import Discrepancy, forgets, interpolate, remembers, slope
+from .discrepancy import (
+    Discrepancy, behind_play, forgets, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
 from .gas import ATMOSPHERE
 from .sensors import Sensors, lagged, position_reading, pressure_reading
@@ -44,9 +45,6 @@ MEMORIES = 10
 STATE_OF_VARIABLE = (
     -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION, -1)
 PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
-
-PLACES = 200
-"""Of a play, between its ends, from which the one at rest is chosen."""
 
 LARGEST_YIELD = 0.5
 """Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
@@ -154,33 +152,6 @@ def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: fl
     if table.variable == term.FORCE_PLAY:
         return behind_play(table, past, force)
     return interpolate(table, present(table, time, current, y, force) - past)
-
-
-def place_in_play(table: Discrepancy, past: float, force: float) -> float:
-    """Return where in its play a force (N) stands, -1 to 1; what it moves stood at `past` (N)."""
-    return (force - play(past, force, 2.0 * table.reach)) / table.reach
-
-
-def behind_play(table: Discrepancy, past: float, force: float) -> float:
-    """Return what is to be added to a force (N) for what opens the seats behind its play, N."""
-    place = place_in_play(table, past, force)
-    return interpolate(table, place) - table.reach * place
-
-
-def past_at_rest(table: Discrepancy, force: float) -> float:
-    """
-    Return where what a force (N) moves through a play stands at rest, N.
-
-    A booster rests with both seats shut, or as nearly as the play has room for.
-    """
-    least, at_rest = math.inf, force
-    for k in range(PLACES + 1):
-        place = 2.0 * k / PLACES - 1.0
-        moved = force - table.reach * place
-        opening = abs(force + behind_play(table, moved, force))
-        if opening < least:
-            least, at_rest = opening, moved
-    return at_rest
 
 
 def rest_in_play(p: PositionerParameters, y) -> None:
