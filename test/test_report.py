@@ -217,6 +217,9 @@ def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
     assert '0.0200 N of friction' in page.text
     assert 'chamber pressure over the back pressure is a loop' in page.text
     assert 'place of the booster force in a play' in page.texts
+    assert 'nothing is beyond' in page.text
+    assert 'Dotted' not in page.text
+    assert 'Dotted' in Page(html_page(unknown_found(), FROM)).text
     written = json.loads(json_text(diagnosis, FROM))['unknown']
     assert (written['reach'], written['memory']) == (0.018, None)
     assert written['values'][1:-1] == pytest.approx(np.linspace(0.048, 0.008, 10))

@@ -92,7 +92,9 @@ class UnknownTerm:
     def values(self) -> Array:
         """What it adds there, shape (term.KNOTS,); with what is behind a play."""
         added = np.array(self.table.values)
-        return added if self.reach is None else added - self.reach * self.knots
+        if self.reach is not None:
+            added -= self.reach * np.clip(self.knots, -1.0, 1.0)
+        return added
 
 
 AS_GOOD_AS_MEASURED = 1.3

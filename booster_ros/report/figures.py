@@ -208,8 +208,8 @@ def unknown_term(view: View, term: UnknownTerm) -> Figure:
     x, y = term.knots * over.factor, term.values * size.factor
     axes.plot(x[1:-1], y[1:-1], 'o-', color=AFTER, markersize=4.5, linewidth=1.6)
     margin = 0.08 * np.ptp(x)
-    for at, values in (((x[0] - margin, *x[:2]), (0.0, *y[:2])),
-                       ((*x[-2:], x[-1] + margin), (*y[-2:], 0.0))):
+    beyond = (((x[0] - margin, *x[:2]), (0.0, *y[:2])), ((*x[-2:], x[-1] + margin), (*y[-2:], 0.0)))
+    for at, values in beyond if term.reach is None else ():  # nothing is beyond a play
         axes.plot(at, values, color=AFTER, linewidth=1.6, linestyle=':')
     axes.axhline(0.0, color=NOISE, linewidth=0.8)
     axes.set_ylabel(f'added, {size.unit}')

@@ -180,13 +180,16 @@ def _unknown(view: View) -> str:
     seen, seen_si = (f'{words(first)} to {words(last)}' for words in (
         over.text, lambda value: si_text(value, term.variable_unit)))
     also = '' if seen == seen_si else f' ({seen_si})'
+    beyond = ('Dotted: beyond, where nothing was seen, it fades to zero, no more steeply than it '
+              'runs.')
+    if term.reach is not None:
+        beyond = 'At its ends the force takes what it moves along, and nothing is beyond.'
     return section(
         'The term without a name',
         paragraph(
             f'Added in {place_label(term.location)}, in {size.unit}, as a function of the '
-            f'{channel_label(term.variable)} from {seen}{also}. Dotted: beyond, where nothing was '
-            'seen, it fades to zero, no more steeply than it runs. Below it: how many rows of the '
-            'record were where. Where there are few, the table says little.'),
+            f'{channel_label(term.variable)} from {seen}{also}. {beyond} Below it: how many rows '
+            'of the record were where. Where there are few, the table says little.'),
         figure(svg(figures.unknown_term(view, term), 'unknown'), 'The table of the unnamed term'))
 
 
