@@ -87,6 +87,12 @@ def search_on(effects, seed, folder, kind='mixed'):
                   free_to_refit(declared, experiment))
 
 
+def refit_and_best_term(search):
+    """Return the declared model refitted, and the best with a term without a name."""
+    refit = search.refit()
+    return refit, best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+
+
 def large(effect):
     return effect, EFFECTS[effect].size('large')
 
@@ -94,8 +100,7 @@ def large(effect):
 def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
     """Of a large leak: the refit of the declared parameters goes far to imitate it."""
     search = search_on((large('leak_opens_with_travel'),), 110043, tmp_path)
-    refit = search.refit()
-    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    _, best = refit_and_best_term(search)
     assert best.effects[0].startswith('unknown: chamber over ')
     assert best.misfit < 1.3
 
@@ -103,8 +108,7 @@ def test_a_term_that_linear_reckoning_ranks_far_behind_is_found(tmp_path):
 def test_what_follows_a_recent_change_is_found_with_the_time_it_takes(tmp_path):
     """Of a converter that creeps for 15 s: what is missing follows no state, only what was."""
     search = search_on((large('converter_creep'),), 31, tmp_path)
-    refit = search.refit()
-    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    refit, best = refit_and_best_term(search)
     assert best.effects == ('unknown: ep_converter over control_current_change',)
     assert best.misfit < 0.03 * refit.misfit
     assert best.fit.parameters.discrepancy.memory == pytest.approx(15.0, rel=0.1)
@@ -113,8 +117,7 @@ def test_what_follows_a_recent_change_is_found_with_the_time_it_takes(tmp_path):
 def test_what_follows_a_play_is_found_with_the_width_it_has(tmp_path):
     """Of a relay that rubs with 20 mN: what is missing goes by where its force turned last."""
     search = search_on((large('relay_friction'),), 271, tmp_path)
-    refit = search.refit()
-    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    refit, best = refit_and_best_term(search)
     assert best.effects == ('unknown: booster over booster_force_play',)
     assert best.misfit < 0.01 * refit.misfit
     assert best.fit.parameters.discrepancy.reach == pytest.approx(0.02, rel=0.1)

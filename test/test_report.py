@@ -192,11 +192,16 @@ def test_an_unnamed_term_over_time_is_not_to_be_varied():
     assert elsewhere not in Page(html_page(diagnosis, FROM)).text
 
 
+def unknown_over(table):
+    """Return the unknown found with another table in the model."""
+    return replace(unknown_found(), after=BENT._replace(discrepancy=table),
+                   unknown=UnknownTerm(table))
+
+
 def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step():
     table = BENT.discrepancy._replace(
         variable=discrepancy.POSITION_CHANGE, low=-0.008, high=0.008, memory=12.0)
-    creeping = BENT._replace(discrepancy=table)
-    diagnosis = replace(unknown_found(), after=creeping, unknown=UnknownTerm(table))
+    diagnosis = unknown_over(table)
     page = Page(html_page(diagnosis, FROM))
     assert 'depends on the recent change of the valve position' in page.text
     assert 'what was is forgotten over 12.0 s' in page.text
@@ -210,8 +215,7 @@ def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
     values = (0.0, *np.linspace(0.03, 0.026, 10), 0.0)
     table = discrepancy.Discrepancy(
         discrepancy.BOOSTER, discrepancy.FORCE_PLAY, -11.0 / 9.0, 11.0 / 9.0, values, reach=0.018)
-    rubbing = BENT._replace(discrepancy=table)
-    diagnosis = replace(unknown_found(), after=rubbing, unknown=UnknownTerm(table))
+    diagnosis = unknown_over(table)
     page = Page(html_page(diagnosis, FROM))
     assert 'through a play 0.0360 N wide' in page.text
     assert '0.0200 N of friction' in page.text

@@ -75,7 +75,7 @@ class UnknownTerm:
     @property
     def reach(self) -> float | None:
         """Half the width of the play in which the variable is a place, N; None where in none."""
-        return self.table.reach if self.table.variable == term.FORCE_PLAY else None
+        return self.table.reach if term.has_play(self.table) else None
 
     @property
     def seen(self) -> tuple[float, float]:

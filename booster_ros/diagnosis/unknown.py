@@ -143,7 +143,7 @@ def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array],
     the model for a while.
     """
     table = p.discrepancy
-    if table.variable == term.FORCE_PLAY:
+    if term.has_play(table):
         return _places_in_play(p, columns, past * PAST_UNIT[term.FORCE_PLAY])
     if table.variable not in term.CHANGE_OF:
         return columns[term.VARIABLES[table.variable]]
@@ -218,7 +218,7 @@ def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
     table = joint.base.discrepancy
     if table.variable in term.CHANGE_OF:
         name, begin, low, high = 'memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY
-    elif table.variable == term.FORCE_PLAY:
+    elif term.has_play(table):
         name, begin, low, high = 'reach', table.reach, SHORTEST_REACH, LONGEST_REACH
     else:
         return joint, z
@@ -236,7 +236,7 @@ def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
     Nothing is beyond a play.
     """
     table = fit.parameters.discrepancy
-    if table.variable == term.FORCE_PLAY:
+    if term.has_play(table):
         return problem
     first, last = covered(table)
     inner = np.array(table.values[1:-1])

@@ -78,7 +78,12 @@ def remembers(table: Discrepancy) -> bool:
 
 def forgets(table: Discrepancy) -> bool:
     """Tell whether the term follows a change, of which what was is forgotten in time."""
-    return remembers(table) and table.variable != FORCE_PLAY
+    return remembers(table) and not has_play(table)
+
+
+def has_play(table: Discrepancy) -> bool:
+    """Tell whether the term follows the place of the booster's force in a play."""
+    return table.location != NONE and table.variable == FORCE_PLAY
 
 
 def can_depend(location: int, variable: int) -> bool:
@@ -155,7 +160,7 @@ def past_at_rest(table: Discrepancy, force: float) -> float:
     for k in range(PLACES + 1):
         place = 2.0 * k / PLACES - 1.0
         moved = force - table.reach * place
-        opening = abs(force + behind_play(table, moved, force))
+        opening = abs(moved + interpolate(table, place))
         if opening < least:
             least, at_rest = opening, moved
     return at_rest

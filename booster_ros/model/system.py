@@ -19,7 +19,7 @@ from .actuator import (
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
 from .discrepancy import (
-    Discrepancy, behind_play, forgets, interpolate, past_at_rest, remembers, slope)
+    Discrepancy, behind_play, forgets, has_play, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
 from .gas import ATMOSPHERE
 from .sensors import Sensors, lagged, position_reading, pressure_reading
@@ -156,7 +156,7 @@ def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: fl
 
 def rest_in_play(p: PositionerParameters, y) -> None:
     """Put what the booster's force moves through a play to where it is at rest, if there is one."""
-    if remembers(p.discrepancy) and p.discrepancy.variable == term.FORCE_PLAY:
+    if has_play(p.discrepancy):
         y[PAST] = past_at_rest(
             p.discrepancy, undisturbed_force(p, y)) / PAST_UNIT[term.FORCE_PLAY]
 
@@ -164,7 +164,7 @@ def rest_in_play(p: PositionerParameters, y) -> None:
 def follow_play(p: PositionerParameters, y) -> None:
     """Let what the booster's force moves through a play come along to where it is now."""
     table = p.discrepancy
-    if remembers(table) and table.variable == term.FORCE_PLAY:
+    if has_play(table):
         unit = PAST_UNIT[term.FORCE_PLAY]
         y[PAST] = play(unit * y[PAST], undisturbed_force(p, y), 2.0 * table.reach) / unit
 
