@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import applicable
+from booster_ros.diagnosis.candidate import UNLIKELY
 from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.indistinct import alike
-from booster_ros.diagnosis.rematch import rematch
+from booster_ros.diagnosis.next_effect import CLOSE, _Begun, _bring_to_equal_terms
+from booster_ros.diagnosis.rematch import NEAR, _from_the_end_of, rematch
 from booster_ros.diagnosis.screening import references, screen
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import split
@@ -37,11 +39,17 @@ def search_of(plant, channels=tuple(NOISE)):
                   applicable(experiment, P))
 
 
-def model_with(search, effect, size):
-    """Return the model with one effect, fitted from a size of so many typical ones."""
+def begun_with(search, effect, size):
+    """Return the problem with one effect, and z with so many typical sizes of it."""
     problem = search.joint(search.problem(), (effect,))
     start = problem.start()
     start[len(search.freedoms)] = size
+    return problem, start
+
+
+def model_with(search, effect, size):
+    """Return the model with one effect, fitted from a size of so many typical ones."""
+    problem, start = begun_with(search, effect, size)
     return search.rate((effect,), problem, problem.fit(start))
 
 
@@ -88,6 +96,36 @@ def test_what_cannot_be_told_apart_is_fitted_before_anything_is_chosen(leaking):
     assert compared[1].fit.cost == pytest.approx(compared[0].fit.cost, abs=1.0)
     alone = replace(search, names=tuple(n for n in search.names if n != 'exhaust_seat_leak'))
     assert rematch(alone, chosen, [chosen]) == [chosen]
+
+
+def test_the_best_of_a_round_is_carried_on_if_one_that_was_behind_it_came_below_it(leaking):
+    search, chosen = leaking
+    ended = {}
+    for effect, size in (('chamber_leak', 0.8), ('exhaust_seat_leak', 0.1)):
+        problem, start = begun_with(search, effect, size)
+        ended[effect] = _Begun(effect, problem, problem.fit(start, evaluations=3))
+    ahead, behind = sorted(ended, key=lambda name: ended[name].fit.cost)
+    at_its_end = chosen.fit.cost
+    assert 1.01 * at_its_end < ended[ahead].fit.cost < ended[behind].fit.cost
+    assert ended[behind].fit.cost < CLOSE * ended[ahead].fit.cost
+    _bring_to_equal_terms(ended)
+    for one in ended.values():
+        assert one.fit.cost == pytest.approx(at_its_end, rel=0.01)
+
+
+def test_an_effect_in_a_flat_valley_is_fitted_from_where_the_best_is(leaking):
+    search, chosen = leaking
+    best = search.to_the_end(chosen)
+    other = search.to_the_end(model_with(search, 'exhaust_seat_leak', 0.5))
+    z = other.fit.z.copy()
+    z[[free.knob.parameter for free in other.fit.freedoms].index('actuator.dead_volume')] += 0.2
+    short = replace(other, fit=other.problem.at(z))
+    assert UNLIKELY < short.fit.cost - best.fit.cost < (NEAR - 1.0) * best.fit.cost
+    further = _from_the_end_of(best, search, short)
+    assert further.learnt
+    assert further.effects == ('exhaust_seat_leak',)
+    assert further.fit.cost == pytest.approx(best.fit.cost, abs=1.0)
+    assert _from_the_end_of(best, search, best) is best
 
 
 def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_reckoned():

@@ -110,10 +110,7 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
         if one.effect not in ended or _better(one, ended[one.effect]):
             ended[one.effect] = one
         tick()
-    least = min((one.fit.cost for one in ended.values()), default=0.0)
-    for name, one in ended.items():
-        if least < one.fit.cost < CLOSE * least:  # on equal terms with the best
-            ended[name] = replace(one, fit=polished(one.problem, one.fit))
+    _bring_to_equal_terms(ended)
     return preferred_first([
         replace(search.rate((*parent.effects, one.effect), one.problem, one.fit),
                 confirmed=one.confirmed,
@@ -126,6 +123,25 @@ def _carried_on(one: _Begun) -> _Begun:
     """Return it fitted further, unless single slips alone gain by that."""
     further = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
     return further if _better(further, one) else one
+
+
+def _bring_to_equal_terms(ended: dict[str, _Begun]) -> None:
+    """
+    Carry on those near the best, and the best as well if one of them has come below it.
+
+    It would else seem the worse one for having been ahead when the others were carried on.
+    """
+    least = min((one.fit.cost for one in ended.values()), default=0.0)
+    best, *near = sorted((name for name, one in ended.items() if one.fit.cost < CLOSE * least),
+                         key=lambda name: ended[name].fit.cost) or ['']
+    for name in near:
+        ended[name] = _polished(ended[name])
+    if any(ended[name].fit.cost < least for name in near):
+        ended[best] = _polished(ended[best])
+
+
+def _polished(one: _Begun) -> _Begun:
+    return replace(one, fit=polished(one.problem, one.fit))
 
 
 def _better(one: _Begun, other: _Begun) -> bool:

@@ -9,7 +9,8 @@ what lies between two similar effects. So the close ones meet again:
 1. those of as many effects whose score is near that of the choice;
 2. those that this record could not tell from the choice by its sensitivities (see indistinct),
    also where no fit has found that yet;
-3. all are fitted to every row of the fit and select segments, to their very ends;
+3. all are fitted to every row of the fit and select segments, to their very ends, those that seem
+   unlikely then from the end of the best as well;
 4. of those that this does not make unlikely beside the best, the plainest is taken.
 
 Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
@@ -27,11 +28,12 @@ from dataclasses import replace
 
 from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
 from booster_ros.diagnosis.cascade import as_seen_above, fitted_above, shows_above_the_stem
+from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.friction_start import best_friction
 from booster_ros.diagnosis.indistinct import alike
 from booster_ros.diagnosis.intervals import within
 from booster_ros.diagnosis.next_effect import STILL_FAR, redundant
-from booster_ros.diagnosis.search import EVALUATIONS, Search, carried
+from booster_ros.diagnosis.search import EVALUATIONS, LAST_EVALUATIONS, Search, carried
 from booster_ros.model.actuator import has_dry_friction
 
 NEAR = 1.15
@@ -62,8 +64,23 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
     if not rivals:
         return [chosen]
     again = [search.to_the_end(one) for one in (chosen, *list(rivals.values())[:RIVALS])]
+    best = min(again, key=lambda one: one.fit.cost)
+    again = [_from_the_end_of(best, search, one) for one in again]
     least = min(one.fit.cost for one in again)
     return sorted(again, key=lambda one: plainness(one, one.fit.cost - least))
+
+
+def _from_the_end_of(best: Candidate, search: Search, one: Candidate) -> Candidate:
+    """
+    Return the model fitted from where the best has what both have, if it seemed unlikely beside it.
+
+    In a flat valley a fit may end before the lowest place, short of it by as much as makes a model
+    unlikely, and another one that is the same in all but name may not.
+    """
+    if not UNLIKELY < one.fit.cost - best.fit.cost < (NEAR - 1.0) * best.fit.cost:
+        return one
+    fit = one.problem.fit(carried(one.problem, one.fit, best.fit), LAST_EVALUATIONS, SETTLED)
+    return replace(search.refitted(one, fit), learnt=True) if fit.cost < one.fit.cost else one
 
 
 def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
