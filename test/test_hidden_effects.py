@@ -207,6 +207,23 @@ def test_the_last_fit_goes_to_its_end_and_leaves_a_lift_that_is_never_reached_al
     assert abs(found['supply.pressure']) < 0.3
 
 
+@pytest.mark.parametrize(('hidden', 'name', 'seed'), [
+    (('critical_pressure_ratio', 0.15), 'critical_pressure_ratio', 25117019),
+    (('spring_nonlinearity', -0.0214), 'spring_nonlinearity', 25117026),
+    (None, None, 25117006),
+])
+def test_an_effect_beside_which_noise_could_be_all_is_seen_if_every_row_shows_it(
+        hidden, name, seed, tmp_path):
+    """What it leaves is 3 to 7 % above noise, and more where another input goes further."""
+    search = search_on((hidden,) if hidden else (), seed, tmp_path, 'sines')
+    search = replace(search, names=(
+        'critical_pressure_ratio', 'spring_nonlinearity', 'ep_nonlinearity', 'dead_volume_change'))
+    refit = search.refit()
+    assert refit.misfit < 1.1
+    chosen = named(search, refit, lambda phrase, share: None).chosen
+    assert chosen.effects == ((name,) if name else ())
+
+
 @pytest.mark.parametrize(('pair', 'seconds'), [
     (('booster_dead_band', 'position_backlash'), 60.0),
     pytest.param(('tubing_restriction', 'ep_hysteresis'), 150.0, marks=minutes),

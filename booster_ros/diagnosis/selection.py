@@ -37,7 +37,7 @@ import numpy as np
 
 from booster_ros.diagnosis.birthplace import called_for_above
 from booster_ros.diagnosis.candidate import (
-    NEAR_NOISE, Candidate, clearly_better, preferred_first, why_dropped)
+    NEAR_NOISE, Candidate, clearly_better, preferred_first, shows_faintly, why_dropped)
 from booster_ros.diagnosis.cascade import seen_from_above, shows_above_the_stem
 from booster_ros.diagnosis.next_effect import FINALISTS, PROMISING, extend
 from booster_ros.diagnosis.rematch import rematch
@@ -67,6 +67,9 @@ SURE = 40.0
 Where noise could be all, an effect must lower the cost of the fit by this as well. The best of the
 catalogue lowers that of a clean record by 5 to 10.
 """
+
+PERHAPS = 15.0
+"""By so much where nothing has been added yet, to be fitted to every row: these decide there."""
 
 STUCK = 2.0
 """Without an effect that is not told from none a model scores as with it: one whose score is so
@@ -153,7 +156,8 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
         adding = _adding(ranked, chosen, refit)
         if not adding:
             ranked = _all_taught(search, ranked, everything)
-            adding = _adding(ranked, chosen, refit)
+            adding = _adding(ranked, chosen, refit) or _shown_on_every_row(
+                search, chosen, ranked, everything)
         if adding:
             chosen = adding[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
@@ -206,20 +210,41 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
     do what the effect does.
 
     The level of the noise is known to some percent only; what follows an effect's own trace in
-    segments it was fitted to, and in those it was not, is seen through it. Not beside effects where
+    segments it was fitted to, and in those it was not, is seen through it. Where nothing has been
+    added yet an effect need not matter much, if every row shows it. Not beside effects where
     the stem sticks: what idealised friction leaves is no noise, and that round takes minutes.
     """
-    worth = found.fit.cost - SURE
+    worth = found.fit.cost - (SURE if found.effects else PERHAPS)
     in_vain = found.effects and has_dry_friction(found.fit.parameters.actuator)
     ranked = [] if in_vain else _round(search, found, level, tell, worth=worth)
     everything += ranked
     shown = [one for one in ranked
-             if not one.fault and clearly_better(one, found) and one.fit.cost < worth]
+             if not one.fault and clearly_better(one, found)
+             and one.fit.cost < found.fit.cost - SURE]
+    shown = shown or _shown_on_every_row(search, found, ranked, everything)
     if shown:
         return shown[0]
     if noise is not found:
         everything.append(noise)
     return noise
+
+
+def _shown_on_every_row(search: Search, found: Candidate, ranked: list[Candidate],
+                        everything: list[Candidate]) -> list[Candidate]:
+    """
+    Return the first effects of all that show beyond doubt, however little they matter, best first.
+
+    Where noise could be all that the declared model leaves, those that may lower its cost by more
+    than noise lets them are fitted to every row, and so is it.
+    """
+    hopeful = [one for one in ranked if not one.fault and one.fit.cost < found.fit.cost - PERHAPS]
+    if found.effects or found.misfit > NEAR_NOISE or not hopeful:
+        return []
+    before = search.on_every_row(found)
+    shown = preferred_first([one for one in map(search.on_every_row, hopeful)
+                             if shows_faintly(one, before)])
+    everything += shown
+    return shown
 
 
 def _most(chosen: Candidate) -> int:
