@@ -138,8 +138,9 @@ def test_the_installed_package_holds_every_module_and_its_data(workspace, tmp_pa
     installed = Path(found.stdout.strip()).parent
     assert installed.is_relative_to(workspace.prefix)
     source = ROOT / 'booster_ros'
-    files = [path for path in source.rglob('*') if path.suffix in ('.py', '.csv', '.typed')]
-    missing = [path for path in files if not (installed / path.relative_to(source)).is_file()]
+    files = [path.relative_to(source) for path in source.rglob('*') if path.is_file()]
+    missing = [path for path in files
+               if '__pycache__' not in path.parts and not (installed / path).is_file()]
     assert not missing
 
 
