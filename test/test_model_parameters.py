@@ -80,6 +80,16 @@ def test_no_parameter_takes_what_is_no_number(name, value):
     assert '\n' not in str(caught.value)
 
 
+@pytest.mark.parametrize(('sign', 'digits'), [(1, 309), (-1, 309), (1, 5000)])
+def test_a_whole_number_that_no_float_holds_is_refused_and_not_quoted_at_length(sign, digits):
+    value = sign * 10**digits
+    for name, wrong in (('supply.pressure', value), ('discrepancy.values', [value] * 12),
+                        ('booster.orifice_law', value), ('actuator.bench_set', [value])):
+        with pytest.raises(ParameterError, match=name) as caught:
+            from_values({name: wrong})
+        assert len(str(caught.value)) < 150
+
+
 @pytest.mark.parametrize(
     'name', [n for n, d in DESCRIPTIONS.items() if not d.choices and math.isfinite(d.high)])
 def test_no_parameter_takes_what_is_out_of_its_range(name):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from booster_ros.model.parameters import Description, ParameterError, unknown_name
+from booster_ros.model.parameters import Description, ParameterError, shown, unknown_name
 from booster_ros.parameters.schema import checked_as
 
 CURRENT, POSITION = 'current', 'position'
@@ -135,10 +135,10 @@ def checked(name: str, value: Any) -> Any:
         return checked_as(description, value)
     if isinstance(description.default, str):
         if not isinstance(value, str):
-            raise ParameterError(f'{name} must be a text, got {value!r}')
+            raise ParameterError(f'{name} must be a text, got {shown(value)}')
         return value
     if isinstance(value, (str, bytes)) or not hasattr(value, '__len__') or not len(value):
-        raise ParameterError(f'{name} must be a list of numbers, got {value!r}')
+        raise ParameterError(f'{name} must be a list of numbers, got {shown(value)}')
     element = replace(description, default=0.0)
     return tuple(checked_as(element, item) for item in value)
 

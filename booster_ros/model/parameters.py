@@ -20,6 +20,9 @@ _CHOICES = {
     'discrepancy.variable': discrepancy.VARIABLES,
 }
 
+LONGEST_QUOTE = 60
+"""Characters of a value that a sentence quotes, at the most."""
+
 
 class ParameterError(ValueError):
     """A parameter that cannot be used; the message is one sentence that names it."""
@@ -99,18 +102,27 @@ def to_values(parameters: PositionerParameters) -> dict[str, Value]:
     return values
 
 
+def shown(value: Any) -> str:
+    """Return a value as a sentence quotes it: of a long one the beginning."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes out no whole number of more than 4300 digits
+        return 'a whole number of thousands of digits'
+    return text if len(text) <= LONGEST_QUOTE else f'{text[:LONGEST_QUOTE]}...'
+
+
 def checked_value(description: Description, value: Any) -> Any:
     """Return a value as the model holds it; ParameterError where kind or range is wrong."""
     name = description.name
     if description.choices:
         if value not in description.choices:
             raise ParameterError(
-                f'{name} must be one of {", ".join(description.choices)}, got {value!r}')
+                f'{name} must be one of {", ".join(description.choices)}, got {shown(value)}')
         return description.choices.index(value)
     if isinstance(description.default, tuple):
         size = len(description.default)
         if isinstance(value, (str, bytes)) or not hasattr(value, '__len__') or len(value) != size:
-            raise ParameterError(f'{name} must be a list of {size} numbers, got {value!r}')
+            raise ParameterError(f'{name} must be a list of {size} numbers, got {shown(value)}')
         return tuple(_checked_number(description, element) for element in value)
     return _checked_number(description, value)
 
@@ -119,11 +131,15 @@ def _checked_number(description: Description, value: Any) -> float:
     name, unit = description.name, description.unit
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ParameterError(
-            f'{name} must be a number in {unit}, got {value!r} (write for example '
+            f'{name} must be a number in {unit}, got {shown(value)} (write for example '
             f'{_example(description.default)})')
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise ParameterError(
+            f'{name} must be a number that a float can hold, got {shown(value)}') from None
     if not math.isfinite(number):
-        raise ParameterError(f'{name} must be finite, got {value!r}')
+        raise ParameterError(f'{name} must be finite, got {shown(value)}')
     if not description.low <= number <= description.high:
         raise ParameterError(
             f'{name} must be between {description.low:g} and {description.high:g} {unit}, '

@@ -15,6 +15,7 @@ from ..model.parameters import (
     ParameterError,
     checked_value,
     from_values,
+    shown,
     unknown_name,
 )
 from ..model.system import PositionerParameters
@@ -157,12 +158,14 @@ def checked_as(description: Description, value: Any) -> Any:
     name, default = description.name, description.default
     if isinstance(default, bool):
         if not isinstance(value, bool):
-            raise ParameterError(f'{name} must be true or false, got {value!r}')
+            raise ParameterError(f'{name} must be true or false, got {shown(value)}')
         return value
     if isinstance(default, int):
-        if isinstance(value, bool) or not isinstance(value, int) or value < description.low:
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if not whole or not description.low <= value <= description.high:
             raise ParameterError(
-                f'{name} must be a whole number from {description.low:g} on, got {value!r}')
+                f'{name} must be a whole number from {description.low:g} to '
+                f'{description.high:g}, got {shown(value)}')
         return value
     result = checked_value(description, value)
     return description.choices[result] if description.choices else result
