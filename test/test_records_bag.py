@@ -332,8 +332,11 @@ def test_a_written_bag_appears_complete_or_not_at_all(tmp_path, storage):
         assert not path.exists()
     np.testing.assert_array_equal(read_record(path)['chamber_pressure'], 5e5 + np.arange(20))
     assert [entry.name for entry in tmp_path.iterdir()] == ['record']
-    with pytest.raises(RecordError, match='exists already'):
-        BagWriter(path, [], storage)
+    link = tmp_path / 'link'
+    link.symlink_to(tmp_path / 'nothing')
+    for there in (path, link):
+        with pytest.raises(RecordError, match='exists already'):
+            BagWriter(there, [], storage)
 
 
 def test_an_interrupted_bag_leaves_nothing(tmp_path):

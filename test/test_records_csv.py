@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CSV records: what is read, what is mended and noted, and what is refused in which words."""
 
+import os
 from pathlib import Path
 import re
 import resource
@@ -497,6 +498,45 @@ def test_an_interrupted_writer_leaves_nothing_and_keeps_the_old_file(tmp_path):
         interrupted()
     assert path.read_text() == 'old'
     assert [path.name for path in tmp_path.iterdir()] == ['record.csv']
+
+
+def written(path: Path) -> str:
+    with CsvWriter(path, ['time']) as writer:
+        writer.write_rows(np.zeros((1, 1)))
+    return path.read_text()
+
+
+def test_a_link_is_followed_and_stays(tmp_path):
+    kept = tmp_path / 'kept'
+    kept.mkdir()
+    file, link, chain, ahead = (
+        kept / 'file.csv', tmp_path / 'link', tmp_path / 'chain', tmp_path / 'ahead')
+    file.write_text('old')
+    link.symlink_to(Path('kept') / 'file.csv')
+    chain.symlink_to(link)
+    ahead.symlink_to(kept / 'new.csv')
+    for path, target in ((link, file), (chain, file), (ahead, kept / 'new.csv')):
+        assert written(path) == 'time\n0.000000\n'
+        assert path.is_symlink()
+        assert not target.is_symlink()
+        file.write_text('old')
+    assert {path.name for path in kept.iterdir()} == {'file.csv', 'new.csv'}
+
+
+def test_what_is_no_file_is_refused_and_stays(tmp_path):
+    pipe, link, circle = (tmp_path / name for name in ('pipe', 'link', 'circle'))
+    os.mkfifo(pipe)
+    link.symlink_to(pipe)
+    circle.symlink_to(circle)
+    for path, says in ((pipe, 'it is no file but a device, a pipe or a socket'),
+                       (link, 'it is no file'), (tmp_path, 'it is a folder'),
+                       (Path('/'), 'it is a folder'), (Path(''), 'it is a folder'),
+                       (pipe / 'in.csv', 'Not a directory'),
+                       (circle, 'Too many levels of symbolic links')):
+        with pytest.raises(RecordError, match=f'{re.escape(str(path))} cannot be written: {says}'):
+            CsvWriter(path, ['time'])
+    assert pipe.is_fifo()
+    assert {path.name for path in tmp_path.iterdir()} == {'pipe', 'link', 'circle'}
 
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path):

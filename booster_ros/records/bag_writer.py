@@ -42,7 +42,7 @@ class BagWriter:
 
     def __init__(self, path: str | os.PathLike[str], topics: Sequence[str], storage: str):
         self._path = Path(path)
-        if self._path.exists():
+        if os.path.lexists(self._path):  # a folder cannot take the place of a link to nothing
             raise RecordError(f'{self._path} exists already; a bag is not overwritten')
         if storage not in STORAGE:
             raise RecordError(f'a bag is stored as {" or ".join(STORAGE)}, not as {storage!r}')

@@ -14,6 +14,7 @@ from booster_ros.records.csv_digits import fixed_lines
 from booster_ros.records.csv_header import Header, read_header
 from booster_ros.records.csv_text import line_blocks, parse_block
 from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
+from booster_ros.records.target import replaced_by
 from booster_ros.records.units import check_finite, check_units
 
 _DECIMALS = {'s': 6, 'A': 12, 'Pa': 3, 'm': 9, 'kg/s': 12}
@@ -128,20 +129,19 @@ class CsvWriter:
     Writes a CSV record row by row.
 
     The file has a temporary name beside the wanted one until `close`; used in a `with`, an
-    exception discards it. RecordError where it cannot be written.
+    exception discards it. A link is followed. RecordError where it cannot be written, or would take
+    the place of what is no file.
     """
 
     def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
         self._path = Path(path)
+        self._target = replaced_by(self._path)
         decimals = [_decimals(name) for name in columns]
         self._decimals = [places for places in decimals if places is not None]
         self._row = ','.join(
             '%.9g' if places is None else f'%.{places}f' for places in decimals) + '\n'
+        self._partial = self._target.with_name(f'.{self._target.name}.{os.getpid()}.partial')
         try:
-            if self._path.is_dir():
-                raise RecordError(f'{self._path} cannot be written: it is a folder')
-            # a folder may have no name: /
-            self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
             self._file = self._partial.open('wb')
             self._file.write((','.join(columns) + '\n').encode('ascii'))
         except OSError as error:
@@ -164,7 +164,7 @@ class CsvWriter:
         """Complete the file and give it its name."""
         try:
             self._file.close()
-            os.replace(self._partial, self._path)
+            os.replace(self._partial, self._target)
         except OSError as error:
             self.discard()
             raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None

@@ -1,0 +1,28 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What writing a file replaces: another file at most, and none that is read."""
+
+import os
+from pathlib import Path
+import stat
+
+from booster_ros.records.record import RecordError
+
+
+def replaced_by(path: Path) -> Path:
+    """
+    Return the file that one written to `path` replaces, links followed; it need not exist.
+
+    RecordError where something else stands there: a new file would take the place of a device or
+    a pipe, not go into it.
+    """
+    try:
+        mode = os.stat(path).st_mode
+    except FileNotFoundError:
+        mode = stat.S_IFREG
+    except OSError as error:
+        raise RecordError(f'{path} cannot be written: {error.strerror}') from None
+    if not stat.S_ISREG(mode):
+        kind = 'a folder' if stat.S_ISDIR(mode) else 'no file but a device, a pipe or a socket'
+        raise RecordError(f'{path} cannot be written: it is {kind}')
+    return Path(os.path.realpath(path))
