@@ -288,6 +288,23 @@ def test_what_it_cannot_do_it_says_in_a_sentence(parameters, says):
     assert says in complaints[0]
 
 
+def test_a_file_that_is_read_is_not_recorded_to(tmp_path):
+    profile, params = tmp_path / 'profile.csv', tmp_path / 'params.yaml'
+    profile.write_text('time,control_current\n0,0.0004\n1,0.0004\n')
+    params.write_text('/**:\n  ros__parameters:\n    wait_timeout: 0.2\n')
+    for given in (profile, params):
+        before = given.read_text()
+        with controller(
+            '--params-file', str(params), '-r', '__ns:=/alone', profile='csv', csv_file=profile,
+            record_csv=given,
+        ) as node:
+            assert node.wait() == 2
+        assert node.stderr[-1] == (
+            f'fake_controller: recording: {given}: is read, and would be overwritten; '
+            'choose another record_csv')
+        assert given.read_text() == before
+
+
 def test_nothing_is_left_of_a_recording_that_never_began(tmp_path):
     with controller(
         '-r', '__ns:=/alone', wait_timeout=0.2, record_csv=tmp_path / 'x.csv',

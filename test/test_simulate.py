@@ -206,6 +206,21 @@ def test_files_that_are_not_there(tmp_path, params, missing):
     assert str(paths[missing]) in message[0]
 
 
+@pytest.mark.parametrize('read', ['in.csv', 'params.yaml'])
+def test_a_file_that_is_read_is_not_overwritten(tmp_path, params, capfd, monkeypatch, read):
+    source = write(tmp_path / 'in.csv', GOOD)
+    before = (tmp_path / read).read_text()
+    (tmp_path / 'link').symlink_to(read)
+    monkeypatch.chdir(tmp_path)
+    for out in (read, 'link', f'../{tmp_path.name}/{read}'):
+        status = program.main(['--params', str(params), '--input', str(source), '--out', out])
+        assert status == 2
+        assert capfd.readouterr().err == (
+            f'simulate: {tmp_path / read}: is read, and would be overwritten; '
+            'choose another --out\n')
+    assert (tmp_path / read).read_text() == before
+
+
 def test_wrong_arguments_end_with_status_2(capsys):
     with pytest.raises(SystemExit) as end:
         program.main(['--params', 'p.yaml'])

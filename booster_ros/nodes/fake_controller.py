@@ -9,6 +9,7 @@ describes parameters, topics and what is recorded.
 
 from collections.abc import Sequence
 import math
+from pathlib import Path
 import sys
 
 from rclpy.clock import Clock
@@ -31,8 +32,10 @@ from ..control.settings import (
     checked,
 )
 from ..model.parameters import ParameterError
+from ..parameters.sections import files_on
 from ..records.record import RecordError
 from ..records.recording import Recording
+from ..records.target import check_inputs_stay
 from .declaration import declare_table, files_without_section
 from .feedback import Feedback
 from .lockstep import Lockstep
@@ -89,7 +92,7 @@ class FakeController(Node):
             self, time, self._settings.feedback == STAMPED, self._on_output)
         self._progress = Progress(self.duration, self.get_logger())
         self._announce(arguments)
-        self._recording = self._open_recording()
+        self._recording = self._open_recording(arguments)
         self._enter(WAITING)
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._waiting_since = self._seconds()
@@ -107,13 +110,16 @@ class FakeController(Node):
         return RealTime(self, time, settings.rate, lambda: self.get_logger().warning(
             'the clock jumped backwards: the profile goes on from where it was'))
 
-    def _open_recording(self) -> Recording:
+    def _open_recording(self, arguments: Sequence[str]) -> Recording:
         settings = self._settings
         topics = {
             name: self.resolve_topic_name(name)
             for name in ('control_current', 'chamber_pressure', 'valve_position')
         }
+        inputs = [Path(path) for path in (settings.csv_file, *files_on(arguments)) if path]
+        targets = [Path(settings.record_csv)] if settings.record_csv else []
         try:
+            check_inputs_stay(inputs, targets, 'record_csv')
             return Recording(settings.record_csv, settings.record_bag, settings.bag_format, topics)
         except RecordError as error:
             raise ParameterError(f'recording: {error}') from None

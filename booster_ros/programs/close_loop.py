@@ -23,7 +23,7 @@ from ..diagnosis.validation import validated
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import COLUMNS, RecordError, read_record
+from ..records import COLUMNS, RecordError, check_inputs_stay, read_record
 from ..report.html_report import html_page
 from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
@@ -60,7 +60,7 @@ def main(args: Sequence[str] | None = None) -> int:
 
 
 def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
-    _check_inputs_stay(options)
+    _check_paths(options)
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
     experiment, notes = _read(options, options.record, declared)
@@ -187,16 +187,13 @@ def _output_folder(out: Path) -> Iterator[Path]:
         shutil.rmtree(work, ignore_errors=True)
 
 
-def _check_inputs_stay(options: argparse.Namespace) -> None:
+def _check_paths(options: argparse.Namespace) -> None:
     """Raise RecordError where an input would be overwritten, or a record would judge itself."""
-    results = {(options.out / name).resolve() for name in WRITTEN}
-    for name in ('record', 'params', 'validation'):
-        given = getattr(options, name)
-        if given is not None and given.resolve() in results:
-            raise RecordError(f'{given}: would be overwritten by the result; choose another --out')
-    if options.validation and options.validation.resolve() == options.record.resolve():
-        raise RecordError(
-            f'{options.validation}: is the record itself; --validation takes another one')
+    record, validation = options.record, options.validation
+    inputs = [path for path in (record, options.params, validation) if path]
+    check_inputs_stay(inputs, [options.out / name for name in WRITTEN], '--out')
+    if validation and os.path.realpath(validation) == os.path.realpath(record):
+        raise RecordError(f'{validation}: is the record itself; --validation takes another one')
 
 
 def _legible(path: Path | str) -> str:

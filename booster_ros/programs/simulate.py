@@ -17,7 +17,7 @@ from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import CsvWriter, RecordError, csv_columns, iterate_csv
+from ..records import CsvWriter, RecordError, check_inputs_stay, csv_columns, iterate_csv
 from ..records.holding import last_known
 from .compiling import announce_compilation
 from .progress_bar import ProgressBar
@@ -40,6 +40,7 @@ def main(args: Sequence[str] | None = None) -> int:
     """Simulate a file into another; return the exit status."""
     options = _parser().parse_args(args)
     try:
+        check_inputs_stay([options.input, options.params], [options.out], '--out')
         parameters = from_values(read_parameter_file(options.params).physical)
         _check_columns(options.input)
         announce_compilation()
