@@ -434,6 +434,7 @@ def test_iteration_yields_the_wanted_columns_in_order(tmp_path):
     (good_lines(), 'row 1: there is no column mass_flow'),
     (replaced(7, '0.01,0.0004,150000,0'), 'row 7, column time: runs backwards'),
     (replaced(7, ',0.0004,150000,0'), 'row 7, column time: the time is missing'),
+    (replaced(51, '1e7,0.0004,150000,0'), 'row 51, column time: 1e+07 s after the row before'),
     ([HEADER], 'no rows of data'),
 ])
 def test_iteration_refuses(tmp_path, lines, says):
@@ -442,11 +443,15 @@ def test_iteration_refuses(tmp_path, lines, says):
         list(iterate_csv(write(tmp_path, '\n'.join(lines)), columns, rows_per_chunk=3))
 
 
-def test_iteration_refuses_time_that_runs_backwards_between_blocks(tmp_path, monkeypatch):
-    monkeypatch.setattr('booster_ros.records.csv_text._BLOCK_BYTES', 300)
+@pytest.mark.parametrize(('time', 'says'), [
+    (0.05, 'row 51, column time: runs backwards, from 0.48 to 0.05 s'),
+    (1.7e9, r'row 51, column time: 1\.7e\+09 s after the row before'),
+])
+def test_iteration_refuses_a_clock_that_was_set_between_blocks(tmp_path, monkeypatch, time, says):
+    monkeypatch.setattr('booster_ros.records.csv_text._BLOCK_BYTES', 1)  # a block is a line
     lines = good_lines(100)
-    lines[50:] = lines[30:60]
-    with pytest.raises(RecordError, match='row 51, column time: runs backwards'):
+    lines[50:] = [f'{time + row / 100:.2f},0.0004,150000,0' for row in range(50)]
+    with pytest.raises(RecordError, match=says):
         list(iterate_csv(write(tmp_path, '\n'.join(lines)), ['time']))
 
 

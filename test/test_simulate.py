@@ -155,6 +155,7 @@ GOOD = 'time,control_current\n0,0.0004\n1,0.0004\n'
          'row 2, column chamber_pressure'),
         ('time,control_current\n1,0.0004\n0,0.0004\n', 'row 3, column time'),
         ('time,control_current\n0,0.0004\n,0.0004\n', 'row 3, column time'),
+        ('time,control_current\n0,0.0004\n1e7,0.0004\n', 'row 3, column time: 1e+07 s after'),
         ('time,control_current\n0,0.45\n1,0.45\n', 'mA'),
     ],
 )

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from booster_ros.records.clock import check_clock
 from booster_ros.records.holding import held
 from booster_ros.records.record import COLUMNS, MEASURED, Array, Defect, Record, RecordError
 from booster_ros.records.time_axis import gap_rows
@@ -19,7 +20,6 @@ from booster_ros.records.units import check_above_vacuum, check_pressure_scale
 _UNEVEN_RATIO = 1.5
 _LISTED_RUNS = 8
 _EPOCH_SECONDS = 1e8
-_CLOCK_SET = 1e6
 _LARGEST_GRID = 2**16
 _WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 _FEWEST_ROWS = 200
@@ -72,11 +72,11 @@ def drop_empty_columns(
 def _clean_time(
     columns: Columns, rows: Array, source: str
 ) -> tuple[Columns, Array, list[Defect]]:
-    found = []
-    for mend in (_drop_rows_without_time, _drop_duplicated_stamps, _start_near_zero):
+    columns, rows, found = _drop_rows_without_time(columns, rows, source)
+    check_clock(columns['time'], rows, source)
+    for mend in (_drop_duplicated_stamps, _start_near_zero):
         columns, rows, mended = mend(columns, rows, source)
         found += mended
-    _check_clock_went_on(columns['time'], rows, source)
     found += gaps(columns['time'], rows)
     found += uneven_sampling(columns['time'])
     return columns, rows, found
@@ -99,13 +99,6 @@ def _drop_duplicated_stamps(
     What it lacks is taken from the others: one stamp may be a row for each channel.
     """
     steps = np.diff(columns['time'])
-    backwards = np.flatnonzero(steps < 0.0)
-    if backwards.size:
-        first = backwards[0] + 1
-        raise RecordError(
-            f'{source}, row {rows[first]}, column time: runs backwards, from '
-            f'{columns["time"][first - 1]:.9g} to {columns["time"][first]:.9g} s'
-        )
     repeated = np.append(steps == 0.0, False)
     if len(rows) > 1 and repeated[:-1].all():
         raise RecordError(f'{source}, row {rows[1]}, column time: stands still in all rows')
@@ -129,16 +122,6 @@ def _start_near_zero(
     row = int(rows[0])
     shifted = Defect('calendar_time', 'time', row, row, 1, f'time counted from {start:.6f} s')
     return {**columns, 'time': columns['time'] - start}, rows, [shifted]
-
-
-def _check_clock_went_on(time: Array, rows: Array, source: str) -> None:
-    """Raise RecordError where rows are days apart: no valve is simulated across that."""
-    far = np.flatnonzero(np.diff(time) > _CLOCK_SET)
-    if far.size:
-        first = far[0] + 1
-        raise RecordError(
-            f'{source}, row {rows[first]}, column time: {time[first] - time[far[0]]:.4g} s after '
-            'the row before, as where a clock was set; leave out the rows before or behind it')
 
 
 def gaps(time: Array, rows: Array) -> list[Defect]:

@@ -10,6 +10,7 @@ from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
+from booster_ros.records.clock import check_clock
 from booster_ros.records.csv_digits import fixed_lines
 from booster_ros.records.csv_header import Header, read_header
 from booster_ros.records.csv_text import line_blocks, parse_block
@@ -56,8 +57,8 @@ def iterate_csv(
     Yield the wanted columns, in the order asked for, at most `rows_per_chunk` rows at a time.
 
     Memory stays flat however long the file is. Cells that are empty are NaN. RecordError where a
-    column is missing, a cell is no finite number, a unit is wrong, or time is missing or runs
-    backwards; a stamp may come twice.
+    column is missing, a cell is no finite number, a unit is wrong, or time is missing, runs
+    backwards or was set; a stamp may come twice.
     """
     source = str(path)
     with _opened(path) as (header, file):
@@ -67,11 +68,11 @@ def iterate_csv(
         wanted = Header(
             {name: header.positions[name] for name in columns}, header.width, header.delimiter, ()
         )
-        last_time = -np.inf
+        before = np.array([], dtype=int), np.array([])
         empty = True
         for chunk in _chunks(wanted, file, source):
             if 'time' in wanted.positions:
-                last_time = _check_time(chunk, wanted, last_time, source)
+                before = _check_time(chunk, wanted, before, source)
             for first in range(0, len(chunk.rows), rows_per_chunk):
                 empty = False
                 part = slice(first, first + rows_per_chunk)
@@ -107,16 +108,18 @@ def _chunks(header: Header, file: BinaryIO, source: str) -> Iterator[Chunk]:
             yield Chunk(rows, values)
 
 
-def _check_time(chunk: Chunk, header: Header, last_time: float, source: str) -> float:
+def _check_time(
+    chunk: Chunk, header: Header, before: tuple[Array, Array], source: str
+) -> tuple[Array, Array]:
+    """Check the times of a chunk behind the last row and time before it; return its own last."""
     time = chunk.values[:, header.names.index('time')]
     missing = np.flatnonzero(np.isnan(time))
     if missing.size:
         row = chunk.rows[missing[0]]
         raise RecordError(f'{source}, row {row}, column time: the time is missing')
-    backwards = np.flatnonzero(np.diff(time, prepend=last_time) < 0.0)
-    if backwards.size:
-        raise RecordError(f'{source}, row {chunk.rows[backwards[0]]}, column time: runs backwards')
-    return float(time[-1])
+    rows_before, time_before = before
+    check_clock(np.append(time_before, time), np.append(rows_before, chunk.rows), source)
+    return chunk.rows[-1:].copy(), time[-1:].copy()  # not the chunk: memory stays flat
 
 
 def _decimals(column: str) -> int | None:
