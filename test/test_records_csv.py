@@ -12,7 +12,8 @@ from hypothesis import given, settings, strategies
 import numpy as np
 import pytest
 
-from booster_ros.records import CsvWriter, RecordError, csv_columns, iterate_csv, read_record
+from booster_ros.records import (
+    CsvWriter, RecordError, csv_columns, first_row, iterate_csv, read_record)
 from booster_ros.records.csv_digits import fixed_lines
 
 HEADER = 'time,control_current,chamber_pressure,valve_position'
@@ -428,6 +429,28 @@ def test_iteration_yields_the_wanted_columns_in_order(tmp_path):
     np.testing.assert_array_equal(values[:, 0], record['valve_position'])
     np.testing.assert_array_equal(values[:, 1], record['time'])
     np.testing.assert_array_equal(np.concatenate([chunk.rows for chunk in chunks]), record.rows)
+
+
+@pytest.mark.parametrize('end', ['\n', '\r\n', '\r'])
+@pytest.mark.parametrize('block', [1, 1 << 20])
+def test_the_first_row_is_read_alone(tmp_path, monkeypatch, end, block):
+    monkeypatch.setattr('booster_ros.records.csv_text._BLOCK_BYTES', block)
+    lines = [HEADER, '', '  ', ' ,0.0004, 150000,0.001', 'what', 'ever']
+    first = first_row(write(tmp_path, end.join(lines)), ['valve_position', 'time'])
+    assert first.rows.tolist() == [4]
+    np.testing.assert_array_equal(first.values, [[0.001, np.nan]])
+
+
+@pytest.mark.parametrize(('lines', 'says'), [
+    (good_lines(), 'row 1: there is no column mass_flow'),
+    ([HEADER, '', ' '], 'has a header and no rows of data'),
+    ([HEADER, '', '0,0.0004,1e9,0'], 'row 3, column chamber_pressure: 1e+09 is not plausible'),
+    ([HEADER, '0,0.0004'], 'row 2: 2 cells where the header has 4'),
+])
+def test_a_bad_first_row_is_refused(tmp_path, lines, says):
+    column = 'mass_flow' if 'mass_flow' in says else 'chamber_pressure'
+    with pytest.raises(RecordError, match=re.escape(says)):
+        first_row(write(tmp_path, '\n'.join(lines)), [column])
 
 
 @pytest.mark.parametrize(('lines', 'says'), [

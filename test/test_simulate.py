@@ -98,6 +98,14 @@ def test_starts_where_the_first_row_says(tmp_path, params):
     assert result['chamber_pressure'][1] != 200e3
 
 
+def test_of_pressure_and_position_the_first_row_alone_is_read(tmp_path, params):
+    head = 'time,control_current,chamber_pressure,valve_position\n0,0.0004,200000,0.006\n'
+    clean, odd = (run_here(tmp_path, params, head + row) for row in (
+        '1,0.0004,200000,0.006\n', '1,0.0004,inf,37 %\n'))
+    for name, column in clean.items():
+        assert np.array_equal(odd[name], column), name
+
+
 def test_an_empty_current_keeps_the_one_before(tmp_path, params):
     result = run_here(
         tmp_path, params, 'time,control_current\n0,0.0004\n0.5,\n1.0,\n1.0,0.0003\n2.0,\n')
@@ -153,6 +161,8 @@ GOOD = 'time,control_current\n0,0.0004\n1,0.0004\n'
         ('time,control_current\n0,\n1,0.0004\n', 'row 2, column control_current'),
         ('time,control_current,chamber_pressure\n0,0.0004,\n1,0.0004,2e5\n',
          'row 2, column chamber_pressure'),
+        ('time,control_current,valve_position\n0,0.0004,6.0\n1,0.0004,6.0\n',
+         'row 2, column valve_position'),
         ('time,control_current\n1,0.0004\n0,0.0004\n', 'row 3, column time'),
         ('time,control_current\n0,0.0004\n,0.0004\n', 'row 3, column time'),
         ('time,control_current\n0,0.0004\n1e7,0.0004\n', 'row 3, column time: 1e+07 s after'),

@@ -17,7 +17,7 @@ from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import CsvWriter, RecordError, check_inputs_stay, csv_columns, iterate_csv
+from ..records import CsvWriter, RecordError, check_inputs_stay, csv_columns, first_row, iterate_csv
 from ..records.holding import last_known
 from .compiling import announce_compilation
 from .progress_bar import ProgressBar
@@ -83,17 +83,14 @@ def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
         _progress(source) as bar,
         ThreadPoolExecutor(1) as worker,
     ):
-        stream = None
-        begin = 0.0
+        begin, current, initial = _first_row(source)
+        state, departure = start_of_readings(parameters, 0.0, current, initial)
+        # what warms up or swings does so from where the record begins
+        stream = Stream(parameters, 0.0, current, state, departure=departure)
         ahead: tuple[np.ndarray, Future[dict[str, np.ndarray]]] | None = None
-        for time, current, initial in _portions(source):
-            if stream is None:  # what warms up or swings does so from where the record begins
-                begin = float(time[0])
-                first = 0.0, float(current[0])
-                state, departure = start_of_readings(parameters, *first, initial)
-                stream = Stream(parameters, *first, state, departure=departure)
+        for time, currents in _portions(source):
             # machine code needs no interpreter: meanwhile the portion before is written
-            following = worker.submit(stream.advance, time - begin, current)
+            following = worker.submit(stream.advance, time - begin, currents)
             if ahead is not None:
                 _write(*ahead, writer, bar)
             ahead = time, following
@@ -118,29 +115,27 @@ def _check_columns(source: Path) -> None:
             raise RecordError(f'{source}, row 1: there is no column {name}')
 
 
-def _portions(source: Path) -> Iterator[tuple[np.ndarray, np.ndarray, dict[str, float]]]:
-    """Yield time, current (an empty cell keeps the one before) and the first row's state."""
-    given = tuple(name for name in INITIAL if name in csv_columns(source))
+def _portions(source: Path) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield time and current; an empty cell keeps the current before."""
     standing = np.nan
-    first: dict[str, float] | None = None
-    for chunk in iterate_csv(source, INPUT + given):
-        if first is None:
-            first = _first_row(
-                source, chunk.rows[0], ('control_current', *given), chunk.values[0, 1:])
+    for chunk in iterate_csv(source, INPUT):
         current = _held(chunk.values[:, 1], standing)
         standing = float(current[-1])
-        yield chunk.values[:, 0], current, {name: first[name] for name in given}
+        yield chunk.values[:, 0], current
 
 
-def _first_row(source: Path, row: int, names: Sequence[str], values: np.ndarray
-               ) -> dict[str, float]:
-    """Return what the model starts from, by column; RecordError where a value is missing."""
-    for name, value in zip(names, values, strict=True):
+def _first_row(source: Path) -> tuple[float, float, dict[str, float]]:
+    """Return time, current and state to start from; RecordError where a value is missing."""
+    given = tuple(name for name in INITIAL if name in csv_columns(source))
+    names = INPUT + given
+    first = first_row(source, names)
+    values = dict(zip(names, first.values[0].tolist(), strict=True))
+    for name, value in values.items():
         if np.isnan(value):
             optional = ', or the column must go' if name in INITIAL else ''
             raise RecordError(
-                f'{source}, row {row}, column {name}: the first row needs one{optional}')
-    return dict(zip(names, values.tolist(), strict=True))
+                f'{source}, row {first.rows[0]}, column {name}: the first row needs one{optional}')
+    return values['time'], values['control_current'], {name: values[name] for name in given}
 
 
 def _held(current: np.ndarray, standing: float) -> np.ndarray:

@@ -7,13 +7,14 @@ import os
 from pathlib import Path
 
 from booster_ros.records.cleaning import clean
-from booster_ros.records.csv_file import CsvWriter, csv_columns, iterate_csv, read_csv
+from booster_ros.records.csv_file import (
+    CsvWriter, csv_columns, first_row, iterate_csv, read_csv)
 from booster_ros.records.record import COLUMNS, Defect, Record, RecordError
 from booster_ros.records.target import check_inputs_stay
 
 __all__ = [
     'COLUMNS', 'CsvWriter', 'Defect', 'Record', 'RecordError', 'check_inputs_stay', 'csv_columns',
-    'iterate_csv', 'read_record',
+    'first_row', 'iterate_csv', 'read_record',
 ]
 
 _BAG_SUFFIXES = {'.mcap', '.db3'}

@@ -4,6 +4,8 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
+from io import BytesIO
 import os
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
@@ -41,7 +43,7 @@ def read_csv(path: str | os.PathLike[str]) -> tuple[dict[str, Array], Array, tup
     with _opened(path) as (header, file):
         chunks = list(_chunks(header, file, source))
     if not chunks:
-        raise RecordError(f'{source} has a header and no rows of data')
+        raise _without_rows(source)
     rows = np.concatenate([chunk.rows for chunk in chunks])
     columns = {
         name: np.concatenate([chunk.values[:, place] for chunk in chunks])
@@ -62,12 +64,7 @@ def iterate_csv(
     """
     source = str(path)
     with _opened(path) as (header, file):
-        missing = [name for name in columns if name not in header.positions]
-        if missing:
-            raise RecordError(f'{source}, row 1: there is no column {missing[0]}')
-        wanted = Header(
-            {name: header.positions[name] for name in columns}, header.width, header.delimiter, ()
-        )
+        wanted = _wanted(header, columns, source)
         before = np.array([], dtype=int), np.array([])
         empty = True
         for chunk in _chunks(wanted, file, source):
@@ -78,7 +75,46 @@ def iterate_csv(
                 part = slice(first, first + rows_per_chunk)
                 yield Chunk(chunk.rows[part], chunk.values[part])
         if empty:
-            raise RecordError(f'{source} has a header and no rows of data')
+            raise _without_rows(source)
+
+
+def first_row(path: str | os.PathLike[str], columns: Sequence[str]) -> Chunk:
+    """
+    Return the first row of the wanted columns, in the order asked for, whatever stands below it.
+
+    A cell that is empty is NaN. RecordError where a column or the row is missing, a cell is no
+    finite number or a unit is wrong.
+    """
+    source = str(path)
+    with _opened(path) as (header, file):
+        wanted = _wanted(header, columns, source)
+        for chunk in _chunks(wanted, BytesIO(_to_first_row(file)), source):
+            return chunk
+        raise _without_rows(source)
+
+
+def _wanted(header: Header, columns: Sequence[str], source: str) -> Header:
+    """Return the header of the wanted columns alone; RecordError where one is missing."""
+    missing = [name for name in columns if name not in header.positions]
+    if missing:
+        raise RecordError(f'{source}, row 1: there is no column {missing[0]}')
+    return replace(
+        header, positions={name: header.positions[name] for name in columns}, defects=())
+
+
+def _to_first_row(file: BinaryIO) -> bytes:
+    """Return the rest of a file as far as its first line that is not blank."""
+    blank = b''
+    for block in line_blocks(file):
+        text = block.lstrip()
+        if text:
+            return blank + block[:block.index(b'\n', len(block) - len(text)) + 1]
+        blank += block
+    return blank
+
+
+def _without_rows(source: str) -> RecordError:
+    return RecordError(f'{source} has a header and no rows of data')
 
 
 @contextmanager
