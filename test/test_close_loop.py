@@ -21,6 +21,7 @@ from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.parameters.file import read_parameter_file, write_parameter_file
 from booster_ros.programs import close_loop as program
+from booster_ros.programs.interruption import ignore_interruptions, kept_interruption
 from booster_ros.programs.progress_bar import ProgressBar
 from booster_ros.records import CsvWriter
 
@@ -160,7 +161,7 @@ def test_bad_arguments_are_refused(tmp_path, declared, record, arguments):
     assert 'Traceback' not in done.stderr
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared, number):
     record = write(tmp_path / 'long.csv', timed_columns(seconds=600.0))
     out = tmp_path / 'out'
@@ -168,7 +169,8 @@ def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared, 
     (out / 'report.html').write_text('earlier')
     process = subprocess.Popen(
         [*COMMAND, '--record', record, '--params', declared, '--out', out],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL))  # under nohup it is ignored
     patience = time.monotonic() + 120.0
     while len(list(out.iterdir())) < 2 and time.monotonic() < patience:
         time.sleep(0.1)
@@ -215,6 +217,44 @@ def test_an_interruption_that_comes_where_python_drops_it_is_not_lost(
     assert 'nothing was written' in capsys.readouterr().err
     assert not out.exists()
     assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.fixture
+def hangup():
+    """Let what a hangup does be set."""
+    before = signal.getsignal(signal.SIGHUP)
+    yield lambda handler: signal.signal(signal.SIGHUP, handler)
+    signal.signal(signal.SIGHUP, before)
+
+
+def test_a_hangup_that_is_ignored_stays_so(hangup):
+    hangup(signal.SIG_IGN)
+    try:
+        with kept_interruption() as check:
+            os.kill(os.getpid(), signal.SIGHUP)
+            check()
+            ignore_interruptions()
+    except KeyboardInterrupt:
+        pytest.fail('interrupted')
+    assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+
+
+def test_a_second_hangup_does_not_cut_short_what_the_first_began(hangup):
+    hangup(signal.SIG_DFL)
+    cleaned = []
+
+    def hung_up_twice():
+        with kept_interruption():
+            try:
+                os.kill(os.getpid(), signal.SIGHUP)
+            finally:
+                os.kill(os.getpid(), signal.SIGHUP)
+                cleaned.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        hung_up_twice()
+    assert cleaned == [True]
+    assert signal.getsignal(signal.SIGHUP) == signal.SIG_DFL
 
 
 def test_an_interruption_among_the_last_moves_is_too_late(

@@ -217,6 +217,62 @@ def test_files_that_are_not_there(tmp_path, params, missing):
     assert str(paths[missing]) in message[0]
 
 
+INTERRUPTED_AT = """
+import os, signal, weakref
+from booster_ros.programs import simulate as program
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whatever runs the tests may ignore it
+
+class Held:
+    pass
+
+def lost():
+    held = Held()
+    watch = weakref.ref(held, lambda _: os.kill(os.getpid(), signal.SIGTERM))
+    del held
+
+begin, move = program.start_of_readings, os.replace
+def begin_and(stop):
+    def interrupted(*given):
+        stop()
+        return begin(*given)
+    program.start_of_readings = interrupted
+def move_and(stop):
+    def interrupted(*paths):
+        move(*paths)
+        stop()
+    os.replace = interrupted
+"""
+
+
+def interrupted_at(tmp_path: Path, params: Path, where: str) -> subprocess.CompletedProcess:
+    """Run the program, interrupted in this line of Python; what was at --out is `as it was`."""
+    source, out = write(tmp_path / 'in.csv', GOOD), write(tmp_path / 'out.csv', 'as it was')
+    done = start(params, source, out, INTERRUPTED_AT + where)
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == [
+        'in.csv', 'out.csv', 'params.yaml']
+    return done
+
+
+@pytest.mark.parametrize('stop', [
+    'lambda: os.kill(os.getpid(), signal.SIGINT)',
+    'lambda: os.kill(os.getpid(), signal.SIGTERM)',
+    'lambda: os.kill(os.getpid(), signal.SIGHUP)',
+    'lost',  # where Python drops it
+])
+def test_an_interruption_leaves_the_file_as_it_was(tmp_path, params, stop):
+    done = interrupted_at(tmp_path, params, f'begin_and({stop})')
+    assert done.returncode == 130
+    assert done.stderr.endswith('simulate: interrupted, nothing was written\n')
+    assert (tmp_path / 'out.csv').read_text() == 'as it was'
+
+
+def test_an_interruption_of_the_last_move_is_too_late(tmp_path, params):
+    done = interrupted_at(
+        tmp_path, params, 'move_and(lambda: os.kill(os.getpid(), signal.SIGTERM))')
+    assert done.returncode == 0, done.stderr
+    assert list(read(tmp_path / 'out.csv')) == COLUMNS
+
+
 @pytest.mark.parametrize('read', ['in.csv', 'params.yaml'])
 def test_a_file_that_is_read_is_not_overwritten(tmp_path, params, capfd, monkeypatch, read):
     source = write(tmp_path / 'in.csv', GOOD)

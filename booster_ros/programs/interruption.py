@@ -10,7 +10,7 @@ import signal
 import threading
 from types import FrameType
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @contextmanager
@@ -21,14 +21,17 @@ def kept_interruption() -> Iterator[Callable[[], None]]:
     SIGINT raises KeyboardInterrupt in whatever Python code runs next. Where that is a callback
     of a weak reference (the import of a module has one), a finaliser or a callback from C, the
     interpreter prints the exception and goes on: who pressed Ctrl-C would wait for the end.
-    SIGTERM, which would end the process where it stands, does the same, so that what is half
-    written is removed. Outside the main thread, which alone is given signals, nothing is kept.
+    SIGTERM and SIGHUP, which would end the process where it stands, do the same once, so that what
+    is half written is removed. A terminal that closes may send several. SIGHUP that is ignored, as
+    under nohup, stays so. Outside the main thread, which alone is given signals, nothing is kept.
     """
     came = threading.Event()
 
     def interrupt(number: int, frame: FrameType | None) -> None:
+        again = came.is_set()
         came.set()
-        signal.default_int_handler(number, frame)
+        if number == signal.SIGINT or not again:
+            signal.default_int_handler(number, frame)
 
     def check() -> None:
         if came.is_set():
@@ -37,12 +40,19 @@ def kept_interruption() -> Iterator[Callable[[], None]]:
     if threading.current_thread() is not threading.main_thread():
         yield check
         return
-    previous = {number: signal.signal(number, interrupt) for number in _SIGNALS}
+    previous = {number: signal.signal(number, interrupt) for number in _heeded()}
     try:
         yield check
     finally:
         for number, handler in previous.items():
             signal.signal(number, handler)
+
+
+def _heeded() -> Iterator[signal.Signals]:
+    """Yield the signals that interrupt."""
+    for number in _SIGNALS:
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            yield number
 
 
 def ignore_interruptions() -> None:

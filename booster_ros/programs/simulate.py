@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 import sys
@@ -20,6 +20,7 @@ from ..parameters.file import read_parameter_file
 from ..records import CsvWriter, RecordError, check_inputs_stay, csv_columns, first_row, iterate_csv
 from ..records.holding import last_known
 from .compiling import announce_compilation
+from .interruption import ignore_interruptions, kept_interruption
 from .progress_bar import ProgressBar
 
 INPUT = ('time', 'control_current')
@@ -40,11 +41,8 @@ def main(args: Sequence[str] | None = None) -> int:
     """Simulate a file into another; return the exit status."""
     options = _parser().parse_args(args)
     try:
-        check_inputs_stay([options.input, options.params], [options.out], '--out')
-        parameters = from_values(read_parameter_file(options.params).physical)
-        _check_columns(options.input)
-        announce_compilation()
-        run(parameters, options.input, options.out)
+        with kept_interruption() as check:
+            _simulate(options, check)
     except (ParameterError, RecordError) as error:
         print(f'simulate: {error}', file=sys.stderr)
         return 2
@@ -52,6 +50,14 @@ def main(args: Sequence[str] | None = None) -> int:
         print('simulate: interrupted, nothing was written', file=sys.stderr)
         return 130
     return 0
+
+
+def _simulate(options: argparse.Namespace, check: Callable[[], None]) -> None:
+    check_inputs_stay([options.input, options.params], [options.out], '--out')
+    parameters = from_values(read_parameter_file(options.params).physical)
+    _check_columns(options.input)
+    announce_compilation()
+    run(parameters, options.input, options.out, check)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -72,16 +78,20 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
+def run(
+    parameters: PositionerParameters, source: Path, target: Path, check: Callable[[], None]
+) -> None:
     """
     Simulate `source` into `target` in portions, so that memory stays flat however long it is.
 
-    RecordError where either cannot be read or written; `target` is then left as it was.
+    RecordError where either cannot be read or written; `target` is then left as it was, and where
+    `check`, which is called between portions, raises. To be called in `kept_interruption`.
     """
     with (
-        CsvWriter(target, tuple(OUTPUT)) as writer,
-        _progress(source) as bar,
+        # first in, last out: what is half written is removed before a portion is waited for
         ThreadPoolExecutor(1) as worker,
+        _progress(source) as bar,
+        CsvWriter(target, tuple(OUTPUT)) as writer,
     ):
         begin, current, initial = _first_row(source)
         state, departure = start_of_readings(parameters, 0.0, current, initial)
@@ -91,11 +101,14 @@ def run(parameters: PositionerParameters, source: Path, target: Path) -> None:
         for time, currents in _portions(source):
             # machine code needs no interpreter: meanwhile the portion before is written
             following = worker.submit(stream.advance, time - begin, currents)
+            check()
             if ahead is not None:
                 _write(*ahead, writer, bar)
             ahead = time, following
         if ahead is not None:
             _write(*ahead, writer, bar)
+        check()
+        ignore_interruptions()  # the file is complete and gets its name
 
 
 def _write(
