@@ -62,6 +62,25 @@ def test_every_program_explains_itself(name):
     assert 'usage' in done.stdout.lower()
 
 
+@pytest.mark.parametrize(('name', 'option', 'others'), [
+    ('simulate', '--params', ['--input', 'i', '--out', 'o']),
+    ('simulate', '--input', ['--params', 'p', '--out', 'o']),
+    ('simulate', '--out', ['--params', 'p', '--input', 'i']),
+    ('close_loop', '--record', ['--params', 'p', '--out', 'o']),
+    ('close_loop', '--params', ['--record', 'r', '--out', 'o']),
+    ('close_loop', '--out', ['--record', 'r', '--params', 'p']),
+    ('close_loop', '--validation', ['--record', 'r', '--params', 'p', '--out', 'o']),
+    ('paper', '--out', []),
+    ('demo', '--out', []),
+])
+def test_an_empty_path_is_not_the_current_folder(name, option, others, capsys):
+    with pytest.raises(SystemExit) as end:
+        __main__.main([name, *others, option, ''])
+    assert end.value.code == 2
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        f"{name}: error: argument {option}: '' is no path")
+
+
 def test_the_list_of_programs_imports_none_of_them():
     assert not {'numpy', 'rclpy'} & imported_by('booster_ros.__main__')
 

@@ -31,6 +31,7 @@ from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
+from .path_argument import given_path
 from .progress_bar import ProgressBar
 
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
@@ -93,10 +94,11 @@ def _parser() -> argparse.ArgumentParser:
         'lacked) and positioner_before.yaml (the declared model refitted).',
     )
     add = parser.add_argument
-    add('--record', type=Path, required=True, metavar='R', help='the record to explain')
-    add('--params', type=Path, required=True, metavar='P.yaml', help='the declared parameters')
-    add('--out', type=Path, required=True, metavar='DIR', help='folder for what is written')
-    add('--validation', type=Path, metavar='V', help='another record, for judging only')
+    add('--record', type=given_path, required=True, metavar='R', help='the record to explain')
+    add('--params', type=given_path, required=True, metavar='P.yaml',
+        help='the declared parameters')
+    add('--out', type=given_path, required=True, metavar='DIR', help='folder for what is written')
+    add('--validation', type=given_path, metavar='V', help='another record, for judging only')
     add('--topics', nargs='+', type=_topic, default=[], metavar='COLUMN=TOPIC',
         help='topics of a bag that do not go by the names of the columns; TOPIC:NAME picks an '
         'element of a JointState')

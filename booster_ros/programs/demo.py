@@ -26,6 +26,7 @@ from ..paper.step_test import DURATION, DWELL, levels, upward_steps
 from ..paper.step_test_figure import draw_step_test
 from ..records import Record, RecordError, read_record
 from .interruption import kept_interruption
+from .path_argument import given_path
 from .ros_domain import claim_domain
 
 TICKS_PER_SECOND = 200
@@ -50,7 +51,7 @@ def main(args: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog='demo', description=__doc__)
     parser.add_argument(
         '--out',
-        type=Path,
+        type=given_path,
         default=Path('out') / 'demo',
         help='folder for the record, the plot and the log (default: %(default)s)',
     )

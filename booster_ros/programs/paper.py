@@ -20,6 +20,7 @@ from ..paper.figures import draw_flow_bench, draw_identification
 from ..paper.printed import FlowSeries, table_1, table_3
 from ..paper.step_test import RESPONSE, STEP_CURRENT, StepResponse
 from .compiling import announce_compilation
+from .path_argument import given_path
 
 SEED = 20170
 """Of the noise on the simulated records: the same numbers at every run."""
@@ -36,7 +37,7 @@ def main(args: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog='paper',
         description=(__doc__ or '') + " Prints the paper's numbers beside ours.")
-    parser.add_argument('--out', type=Path, help='folder for the plots (default: no plots)')
+    parser.add_argument('--out', type=given_path, help='folder for the plots (default: no plots)')
     out: Path | None = parser.parse_args(args).out
     try:
         if out is not None:

@@ -21,6 +21,7 @@ from ..records import CsvWriter, RecordError, check_inputs_stay, csv_columns, fi
 from ..records.holding import last_known
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
+from .path_argument import given_path
 from .progress_bar import ProgressBar
 
 INPUT = ('time', 'control_current')
@@ -69,12 +70,12 @@ def _parser() -> argparse.ArgumentParser:
         '(m), the run starts where the sensors read these, else vented. OUT has '
         f'{", ".join(OUTPUT)}.',
     )
-    parser.add_argument(
-        '--params', type=Path, required=True, metavar='P.yaml', help='a ROS 2 parameter file')
-    parser.add_argument(
-        '--input', type=Path, required=True, metavar='IN.csv', help='time and control_current')
-    parser.add_argument(
-        '--out', type=Path, required=True, metavar='OUT.csv', help='file to write')
+    add = parser.add_argument
+    add('--params', type=given_path, required=True, metavar='P.yaml',
+        help='a ROS 2 parameter file')
+    add('--input', type=given_path, required=True, metavar='IN.csv',
+        help='time and control_current')
+    add('--out', type=given_path, required=True, metavar='OUT.csv', help='file to write')
     return parser
 
 
