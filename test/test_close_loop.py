@@ -12,7 +12,7 @@ import threading
 import time
 import weakref
 
-from made_diagnosis import timed_columns
+from made_diagnosis import swept_columns, timed_columns
 import numpy as np
 import pytest
 
@@ -23,7 +23,7 @@ from booster_ros.parameters.file import read_parameter_file, write_parameter_fil
 from booster_ros.programs import close_loop as program
 from booster_ros.programs.interruption import ignore_interruptions, kept_interruption
 from booster_ros.programs.progress_bar import ProgressBar
-from booster_ros.records import CsvWriter
+from booster_ros.records import CsvWriter, RecordError
 
 COMMAND = (sys.executable, '-m', 'booster_ros', 'close_loop')
 INTERRUPTED_AS_A_THREAD_STARTS = """
@@ -159,6 +159,39 @@ def test_bad_arguments_are_refused(tmp_path, declared, record, arguments):
     assert done.returncode == 2
     assert arguments[-1] in done.stderr
     assert 'Traceback' not in done.stderr
+
+
+@pytest.mark.parametrize('arguments', [
+    ('--topics', 'chamber_pressure=/p'), ('--stamps', 'header'), ('--dwell', '2')])
+def test_an_option_that_would_do_nothing_is_refused(
+        tmp_path, declared, record, capsys, arguments):
+    out = tmp_path / 'out'
+    other = write(tmp_path / 'other.csv', timed_columns())
+    run = ['--record', record, '--params', declared, '--out', out, *arguments]
+    purpose = 'a sweep without time' if '--dwell' in arguments else 'a bag'
+    option = '--stamps header' if '--stamps' in arguments else arguments[0]
+    for more, which in (
+        ([], f'{record} is'), (['--validation', other], f'{record} and {other} are'),
+    ):
+        assert program.main(list(map(str, [*run, *more]))) == 2
+        assert capsys.readouterr().err == (
+            f'close_loop: {option} is for {purpose}, and {which} none\n')
+    assert not out.exists()
+
+
+def test_an_option_for_one_of_two_records_is_taken(tmp_path, declared, record, capsys, monkeypatch):
+    """What is wrong is another thing: the bag is not there, the search is not made."""
+    def stopped(*_):
+        raise RecordError('as far as here')
+
+    monkeypatch.setattr(program, 'diagnose', stopped)
+    run = ['--record', record, '--params', declared, '--out', tmp_path / 'out', '--validation']
+    for arguments, says in (
+        ((tmp_path / 'absent.mcap', '--stamps', 'header'), 'absent.mcap: No such file'),
+        ((write(tmp_path / 'sweep.csv', swept_columns()), '--dwell', '2'), 'as far as here'),
+    ):
+        assert program.main(list(map(str, [*run, *arguments]))) == 2
+        assert says in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -23,7 +23,7 @@ from ..diagnosis.validation import validated
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import COLUMNS, RecordError, check_inputs_stay, read_record
+from ..records import COLUMNS, RecordError, check_inputs_stay, is_bag, read_record
 from ..report.html_report import html_page
 from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
@@ -62,10 +62,10 @@ def main(args: Sequence[str] | None = None) -> int:
 
 def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
     _check_paths(options)
+    _check_bag_options(options)
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
-    experiment, notes = _read(options, options.record, declared)
-    validation = options.validation and _read(options, options.validation, declared)
+    (experiment, notes), *validation = _experiments(options, declared)
     with _output_folder(options.out) as folder:
         announce_compilation()
         with _progress(check) as tell:
@@ -73,7 +73,8 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
                 diagnosis = diagnose(experiment, declared, tell, notes)
             except RecordError as error:
                 raise RecordError(f'{options.record}: {error}') from None
-            diagnosis = validated(diagnosis, *validation) if validation else diagnosis
+            for other in validation:
+                diagnosis = validated(diagnosis, *other)
         if options.calibrate:
             with _progress(check) as tell:
                 diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)
@@ -144,12 +145,29 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def _read(
-    options: argparse.Namespace, path: Path, declared: PositionerParameters
-) -> tuple[Experiment, tuple[str, ...]]:
-    record = read_record(path, dict(options.topics), options.stamps)
-    experiment = prepare(record, declared, options.dwell)
-    return experiment, (*record.notes, *experiment.notes)
+def _experiments(
+    options: argparse.Namespace, declared: PositionerParameters
+) -> list[tuple[Experiment, tuple[str, ...]]]:
+    """Return the record as an experiment with its notes, then the other one where it is given."""
+    records = [
+        read_record(path, dict(options.topics), options.stamps) for path in _given(options)]
+    if options.dwell and all('time' in record for record in records):
+        raise RecordError(_useless('--dwell', 'a sweep without time', options))
+    experiments = [prepare(record, declared, options.dwell) for record in records]
+    return [(experiment, (*record.notes, *experiment.notes))
+            for record, experiment in zip(records, experiments, strict=True)]
+
+
+def _given(options: argparse.Namespace) -> list[Path]:
+    """Return the paths of the record and, where it is given, of the other one."""
+    return [path for path in (options.record, options.validation) if path is not None]
+
+
+def _useless(option: str, purpose: str, options: argparse.Namespace) -> str:
+    """Return the sentence about an option that nothing which was given is for."""
+    names = [_legible(path) for path in _given(options)]
+    verb = 'is' if len(names) == 1 else 'are'
+    return f'{option} is for {purpose}, and {" and ".join(names)} {verb} none'
 
 
 @contextmanager
@@ -191,11 +209,20 @@ def _output_folder(out: Path) -> Iterator[Path]:
 
 def _check_paths(options: argparse.Namespace) -> None:
     """Raise RecordError where an input would be overwritten, or a record would judge itself."""
-    record, validation = options.record, options.validation
-    inputs = [path for path in (record, options.params, validation) if path]
-    check_inputs_stay(inputs, [options.out / name for name in WRITTEN], '--out')
-    if validation and os.path.realpath(validation) == os.path.realpath(record):
-        raise RecordError(f'{validation}: is the record itself; --validation takes another one')
+    records = _given(options)
+    targets = [options.out / name for name in WRITTEN]
+    check_inputs_stay([*records, options.params], targets, '--out')
+    if len({os.path.realpath(path) for path in records}) < len(records):
+        raise RecordError(
+            f'{options.validation}: is the record itself; --validation takes another one')
+
+
+def _check_bag_options(options: argparse.Namespace) -> None:
+    """Raise RecordError where what is asked of a bag would be asked of nothing."""
+    asked = {'--topics': options.topics, '--stamps header': options.stamps == 'header'}
+    for option, wanted in asked.items():
+        if wanted and not any(map(is_bag, _given(options))):
+            raise RecordError(_useless(option, 'a bag', options))
 
 
 def _legible(path: Path | str) -> str:

@@ -14,10 +14,15 @@ from booster_ros.records.target import check_inputs_stay
 
 __all__ = [
     'COLUMNS', 'CsvWriter', 'Defect', 'Record', 'RecordError', 'check_inputs_stay', 'csv_columns',
-    'first_row', 'iterate_csv', 'read_record',
+    'first_row', 'is_bag', 'iterate_csv', 'read_record',
 ]
 
 _BAG_SUFFIXES = {'.mcap', '.db3'}
+
+
+def is_bag(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a record is read as a bag: a folder, or a file with the suffix of one."""
+    return Path(path).is_dir() or Path(path).suffix in _BAG_SUFFIXES
 
 
 def read_record(
@@ -32,7 +37,7 @@ def read_record(
     'bag' for the time of recording or 'header' for the time in the messages. RecordError is one
     sentence.
     """
-    if Path(path).is_dir() or Path(path).suffix in _BAG_SUFFIXES:
+    if is_bag(path):
         # Reading CSV needs no rosbags.
         try:
             from booster_ros.records.bag_reader import read_bag
