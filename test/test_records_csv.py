@@ -99,6 +99,9 @@ def test_dialects_read_the_same(tmp_path, mangle):
     (replaced(1, 'timestamp,control_current,b,c'), "row 1: column 'timestamp' looks like the time"),
     (replaced(1, '__time,control_current,b,c'), "row 1: column '__time' looks like the time"),
     (replaced(1, 'elapsed_time,control_current,b,c'), "'elapsed_time' looks like the time"),
+    *((replaced(1, f'{name},control_current,b,c'), f"row 1: column '{name}' looks like the time")
+      for name in ('elapsed', 'zeit', 'Messzeit (s)', 'Datum', 'ms', 'ts', 'epoch', 'uptime',
+                   'unix_ns', 'ros clock', 'elapsedTime', 'timeMs', 'Millis')),
     (replaced(1, 'time,control_current (mA),b,c'),
      "row 1: column 'control_current (mA)' must be in A: convert it and call it control_current"),
     (replaced(1, ''), 'the first row is empty'),
@@ -162,6 +165,14 @@ def test_without_time_a_record_is_a_sweep_in_row_order(tmp_path):
     assert 'time' not in record
     assert list(record['chamber_pressure']) == [0.0, 150_000.0, 0.0, 300_000.0]
     assert record.stretches() == [slice(0, 4)]
+
+
+@pytest.mark.parametrize('name', ['row', 'Index', 'n', 'no.', 'sample', 'force', 'set point', 's'])
+def test_a_sweep_may_have_a_column_that_rises_as_time_does(tmp_path, name):
+    rows = (f'{k},{1000 * k},{1e-5 * k:.6f}' for k in range(300))
+    record = read_lines(tmp_path, [f'{name},chamber_pressure,valve_position', *rows])
+    assert 'time' not in record
+    assert defects(record, 'unknown_column')[0].column == name
 
 
 def test_a_vented_chamber_is_not_taken_for_kilopascals(tmp_path):

@@ -18,10 +18,15 @@ _OTHER_ENCODINGS = {
     b'SQLite': 'an SQLite data base; give the folder of the bag',
     b'\x89MCAP': 'an MCAP bag; its name must end in .mcap',
 }
-_SURELY_TIME = {'time', 'stamp', 'timestamp'}
-_NAMES_FOR_TIME = {
-    'time', 't', 'sec', 'secs', 'second', 'seconds', 'stamp', 'timestamp', 'datetime', 'date',
+_TIME_IN_ANY_PLACE = re.compile('time.*|zeit.*|.*(time|zeit|stamp|stempel|clock)|elapsed|epoch')
+_TIME_IN_FIRST_PLACE = {
+    't', 'ts', 'date', 'datum', 'utc', 'unix', 'posix', 'hour', 'hours', 'minute', 'minutes',
+    'second', 'seconds', 'sec', 'secs', 'millisecond', 'milliseconds', 'millis', 'msec', 'msecs',
+    'ms', 'microsecond', 'microseconds', 'micros', 'usec', 'usecs', 'us', 'nanosecond',
+    'nanoseconds', 'nanos', 'nsec', 'nsecs', 'ns', 'sekunde', 'sekunden', 'sek', 'temps', 'heure',
+    'tiempo', 'hora', 'tempo', 'ora', 'tijd', 'tid',
 }
+"""Words of a header that mean the time: wherever they stand in it, and where they begin it."""
 
 
 @dataclass(frozen=True)
@@ -116,12 +121,13 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
     """
     Refuse a time column under another name.
 
-    Ignoring it would silently turn a record in time into a quasi-static sweep.
+    Ignoring it would turn a record in time into a quasi-static sweep. The name alone is asked: what
+    else a bench writes down, as the number of the row or a set point, may rise as evenly.
     """
     for cell in cells:
         words = re.findall('[a-z]+', _normalised(cell))
-        if set(words[:1]) & _NAMES_FOR_TIME or set(words) & _SURELY_TIME:
+        if _TIME_IN_FIRST_PLACE & set(words[:1]) or any(map(_TIME_IN_ANY_PLACE.fullmatch, words)):
             raise RecordError(
-                f'{source}, row 1: column {cell.strip()!r} looks like the time; '
-                'call it time, in seconds'
+                f'{source}, row 1: column {cell.strip()!r} looks like the time; call it time, in '
+                'seconds, or leave it out'
             )
