@@ -179,12 +179,34 @@ def test_an_option_that_would_do_nothing_is_refused(
     assert not out.exists()
 
 
-def test_an_option_for_one_of_two_records_is_taken(tmp_path, declared, record, capsys, monkeypatch):
-    """What is wrong is another thing: the bag is not there, the search is not made."""
+@pytest.fixture
+def no_search(monkeypatch):
+    """End a run where its search would begin."""
     def stopped(*_):
         raise RecordError('as far as here')
 
     monkeypatch.setattr(program, 'diagnose', stopped)
+
+
+@pytest.mark.usefixtures('no_search')
+def test_what_a_record_was_taken_for_is_said_before_the_search(tmp_path, declared, capsys):
+    sweep = swept_columns()
+    first = write(tmp_path / 'first.csv', {'counter': np.arange(60.0)} | sweep)
+    second = write(tmp_path / 'second.csv', sweep)
+    status = program.main(['--record', str(first), '--params', str(declared), '--validation',
+                           str(second), '--out', str(tmp_path / 'out')])
+    assert status == 2
+    *notes, end = capsys.readouterr().err.splitlines()
+    assert end == f'close_loop: {first}: as far as here'
+    taken = 'no time: read as a quasi-static sweep in row order, 0.25 s a row'
+    assert f'{first}: row 1, column counter: not a column of a record, ignored' in notes
+    assert [note for note in notes if 'sweep' in note] == [
+        f'{path}: {taken}' for path in (first, second)]
+
+
+@pytest.mark.usefixtures('no_search')
+def test_an_option_for_one_of_two_records_is_taken(tmp_path, declared, record, capsys):
+    """What is wrong is another thing: the bag is not there, the search is not made."""
     run = ['--record', record, '--params', declared, '--out', tmp_path / 'out', '--validation']
     for arguments, says in (
         ((tmp_path / 'absent.mcap', '--stamps', 'header'), 'absent.mcap: No such file'),

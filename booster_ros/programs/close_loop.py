@@ -67,6 +67,7 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
     declared = from_values(given.physical)
     (experiment, notes), *validation = _experiments(options, declared)
     with _output_folder(options.out) as folder:
+        _tell_notes(options, [notes, *(more for _, more in validation)])
         announce_compilation()
         with _progress(check) as tell:
             try:
@@ -156,6 +157,13 @@ def _experiments(
     experiments = [prepare(record, declared, options.dwell) for record in records]
     return [(experiment, (*record.notes, *experiment.notes))
             for record, experiment in zip(records, experiments, strict=True)]
+
+
+def _tell_notes(options: argparse.Namespace, notes: Sequence[Sequence[str]]) -> None:
+    """Print what each record was taken for before minutes go into it; the report has it as well."""
+    for path, sentences in zip(_given(options), notes, strict=True):
+        for sentence in sentences:
+            print(f'{_legible(path)}: {sentence}', file=sys.stderr, flush=True)
 
 
 def _given(options: argparse.Namespace) -> list[Path]:
