@@ -109,6 +109,27 @@ def test_a_ripple_far_below_the_typical_size_is_screened_as_what_it_is(bins):
     assert free['supply.ripple'].value(sizes['supply.ripple']) == pytest.approx(ripple, rel=0.1)
 
 
+def test_the_frequency_of_a_ripple_is_that_of_the_clock_where_thinned_rows_are_uneven():
+    """Steps in one half keep rows that a slow ramp in the other does not."""
+    time = np.arange(0.0, 120.0, 0.01)
+    rng = np.random.default_rng(1)
+    steps = rng.uniform(3.7e-4, 4.3e-4, 61)[time.astype(int) // 2 * 2 % 61]
+    current = np.where(time < 60.0, steps, np.interp(time, [60.0, 120.0], [3.8e-4, 4.2e-4]))
+    plant = P._replace(supply=P.supply._replace(ripple=3e3, ripple_frequency=0.613))
+    thin, kept = seen(plant, current=current, time=time).thinned(8)
+    assert np.ptp(np.diff(kept)) >= 7
+    problem = Problem(thin, everywhere(thin), P, ())
+    found = strong_frequencies(problem, problem.start())
+    assert np.min(np.abs(found - 0.613)) < 0.2 / time[-1]
+
+
+def test_a_ripple_that_stands_still_is_none():
+    """Zero is in the range of its frequency."""
+    still = P._replace(supply=P.supply._replace(ripple=2e3, ripple_frequency=0.0))
+    predicted = seen(P).predict(still)['chamber_pressure']
+    assert np.isfinite(predicted).all()
+
+
 def test_above_the_stem_friction_does_not_matter_but_a_leak_shows():
     rubbing = P._replace(actuator=P.actuator._replace(coulomb_friction=400.0, stiction=150.0))
     leaking = rubbing._replace(actuator=rubbing.actuator._replace(leak_area=4e-8))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from booster_ros.diagnosis.noise_colour import Noise
 from booster_ros.model.simulation import Simulation, simulate
 from booster_ros.model.stream import DEFAULT_TOLERANCE
 from booster_ros.model.stream import LONGEST_INTERVAL as DEFAULT_LONGEST_INTERVAL
@@ -47,16 +48,21 @@ class Initial:
 
 @dataclass(frozen=True)
 class DriveNoise:
-    """White noise of a measured drive: its level (unit of the drive), a sample in how many rows."""
+    """
+    Noise of a measured drive: its level (unit of the drive), a sample in how many rows.
+
+    `correlation` is the AR(1) coefficient from sample to sample.
+    """
 
     level: float
     every: int = 1
+    correlation: float = 0.0
 
     def draw(self, rows: int, rng: np.random.Generator) -> Array:
         """Return a draw, shape (rows,): a straight line from each sample to the next."""
         sampled = np.arange(0, rows + self.every, self.every)
-        white = self.level * rng.standard_normal(len(sampled))
-        return np.interp(np.arange(rows), sampled, white)
+        noise = Noise(self.level, self.correlation).added_to(np.zeros(len(sampled)), rng)
+        return np.interp(np.arange(rows), sampled, noise)
 
 
 @dataclass(frozen=True)
@@ -124,7 +130,7 @@ class Experiment:
         if self.pinned:
             return DEFAULT_LONGEST_INTERVAL
         if parameters.supply.ripple > 0.0:
-            return min(LONGEST_INTERVAL, 0.05 / parameters.supply.ripple_frequency)
+            return 0.05 / max(parameters.supply.ripple_frequency, 0.05 / LONGEST_INTERVAL)
         return LONGEST_INTERVAL
 
     def predict(self, parameters: PositionerParameters, initial: Initial | None = None
@@ -138,7 +144,9 @@ class Experiment:
         Return this experiment with fewer rows, and which rows those are.
 
         Rows at which a drive jumps are kept, between them one of every `factor` stays; the
-        current that stands between two of them is the mean of what it was.
+        current that stands between two of them is the mean of what it was, and a measured pressure
+        that drives is the mean of the rows around: single ones would make its noise slower, and
+        more of it would reach the chamber.
         """
         size = len(self.time)
         keep = np.zeros(size, dtype=bool)
@@ -154,7 +162,8 @@ class Experiment:
         thin = replace(
             self, time=self.time[kept], current=self._mean_current(kept),
             measured={name: values[kept] for name, values in self.measured.items()},
-            pinned={name: values[kept] for name, values in self.pinned.items()},
+            pinned={name: _means_around(values, kept) if name.endswith('_pressure') else
+                    values[kept] for name, values in self.pinned.items()},
             tolerance=THINNED_TOLERANCE)
         return thin, kept
 
@@ -177,6 +186,14 @@ class Experiment:
         charge = np.concatenate(([0.0], np.cumsum(self.current[:-1] * np.diff(self.time))))
         mean = np.diff(charge[kept]) / np.diff(self.time[kept])
         return np.concatenate((mean, self.current[-1:]))
+
+
+def _means_around(values: Array, kept: Array) -> Array:
+    """Return the mean of the rows around each kept one, halfway to the nearer kept neighbour."""
+    apart = np.diff(kept, prepend=kept[0], append=kept[-1])
+    reach = np.minimum(apart[:-1], apart[1:]) // 2
+    total = np.concatenate(([0.0], np.cumsum(values)))
+    return (total[kept + reach + 1] - total[kept - reach]) / (2 * reach + 1)
 
 
 def _jumps(drive: Array) -> Array:

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import toeplitz
+from scipy.ndimage import uniform_filter1d
 from scipy.optimize import brentq
 from scipy.signal import lfilter
 from scipy.stats import kurtosis
@@ -37,10 +38,11 @@ the covariance of a piece takes their cube."""
 FEWEST_PIECES = 12
 """With fewer pieces noise is taken as white."""
 
-STILL = 8.0
+STILL = 6.0
 STILL_SHARE = 1e-3
-"""Range of a drive at rest: in standard deviations of its noise (extremes of some hundred rows),
-and at least this share of its range over the record."""
+"""Range of a drive at rest: in standard deviations of what is white of its noise, of means over a
+piece (of coloured noise these vary as much), and at least this share of its range over the record.
+"""
 
 DISTURBED = 2.0
 """Variance of a piece, relative to the median piece, above which the valve has moved in it."""
@@ -150,7 +152,7 @@ def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
     steps = np.diff(time)
     usual = float(np.median(steps))
     rows, lead = min(max(round(PIECE / usual), FEWEST_ROWS), MOST_ROWS), round(SETTLING / usual)
-    moving = [(drive, _range_at_rest(drive)) for drive in drives if np.ptp(drive) > 0.0]
+    moving = [_judged_by(drive, rows) for drive in drives if np.ptp(drive) > 0.0]
     rests = []
     first = lead
     while first + rows <= len(time):
@@ -164,7 +166,10 @@ def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
     return rests
 
 
-def _range_at_rest(drive: Array) -> float:
+def _judged_by(drive: Array, rows: int) -> tuple[Array, float]:
+    """Return what tells whether a drive stands still, less its noise, and its range if it does."""
     # not the noise level that counts resolution: levels of a stair are no resolution
-    noise = white_noise(drive)
-    return max(STILL * noise if np.isfinite(noise) else 0.0, STILL_SHARE * float(np.ptp(drive)))
+    noise, least = np.nan_to_num(white_noise(drive)), STILL_SHARE * float(np.ptp(drive))
+    if STILL * noise <= least:
+        return drive, least
+    return uniform_filter1d(drive, rows, mode='nearest'), STILL * noise

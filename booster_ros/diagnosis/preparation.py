@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from booster_ros.diagnosis.experiment import DriveNoise, Experiment
 from booster_ros.diagnosis.late_commands import commands_may_be_late, with_noise_of_timing
@@ -37,6 +38,9 @@ to follow; where the current drives, the chamber has to fill."""
 
 FEWEST_ROWS = 12
 """Rows that must be comparable at the least."""
+
+QUIETING = 25
+"""Samples of a measured drive that are averaged to see what its noise adds."""
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9}
@@ -198,7 +202,7 @@ def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
     coloured = noise_of(sampled, rests)
     level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))
     every = round(len(sampled) / np.isfinite(sampled).sum())
-    return DriveNoise(max(float(level), LEAST_NOISE[name]), every)
+    return DriveNoise(max(float(level), LEAST_NOISE[name]), every, coloured.correlation)
 
 
 def _bridged(time: Array, values: Array) -> Array:
@@ -248,9 +252,12 @@ def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters
     """Return the experiment with what the noise of measured drives adds to what is compared."""
     if not experiment.drive_noise:
         return experiment
-    still = experiment.predict(declared)
-    shaken = experiment.shaken(experiment.drive_noise, np.random.default_rng(1))
-    moved = shaken.predict(declared)
+    # noise on top of noise moves a booster, whose two seats differ, by other amounts
+    quiet = replace(experiment, pinned={
+        name: uniform_filter1d(values, QUIETING * experiment.drive_noise[name].every)
+        for name, values in experiment.pinned.items()})
+    still = quiet.predict(declared)
+    moved = quiet.shaken(experiment.drive_noise, np.random.default_rng(1)).predict(declared)
     return replace(experiment, noise={
-        name: float(np.hypot(level, np.nanstd(moved[name] - still[name])))
+        name: float(np.hypot(level, np.sqrt(np.nanmean((moved[name] - still[name])**2))))
         for name, level in experiment.noise.items()})

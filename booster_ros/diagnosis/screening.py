@@ -153,7 +153,8 @@ def strong_frequencies(problem: Problem, z: Array) -> Array:
         return np.array([0.5])
     name = problem.experiment.channels[0]
     residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
-    residual = np.nan_to_num(residual)
+    even = np.linspace(time[0], time[-1], len(time))  # thinned rows are dense where steps are
+    residual = np.interp(even, time, np.nan_to_num(residual))
     frequency, power = periodogram(
         residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear',
         nfft=PADDING * len(residual))
