@@ -192,6 +192,16 @@ def test_knee_softness_rounds_the_knee_and_nothing_far_from_it():
     assert missing[-1] < 0.02
 
 
+@pytest.mark.parametrize('values', [
+    {'booster.opening_gain': 1e-2}, {'booster.opening_exponent': 10.0},
+    {'booster.opening_exponent': 3.0, 'booster.knee_softness': 0.05, 'booster.max_area': 2e-7}])
+def test_a_soft_knee_opens_no_further_than_the_seat_is_wide(values):
+    values = {'booster.knee_softness': 0.3, 'booster.max_area': 1.45e-6} | values
+    areas = bench(values, BACK, CHAMBER)['intake_area']
+    assert areas.max() <= values['booster.max_area'] * (1.0 + 1e-12)
+    assert areas[-1] > 0.98 * values['booster.max_area']
+
+
 @pytest.mark.parametrize('supply', [150e3, 300e3])
 def test_plug_flow_force_makes_the_opening_stiffer_with_the_pressure_drop(supply):
     """F - F0 = S/k + c dp S, and the plateau stays."""

@@ -70,6 +70,16 @@ def fixture_leaking():
     return search, model_with(search, 'chamber_leak', 0.5)
 
 
+def test_how_a_record_starts_tells_no_two_leaks_apart(leaking):
+    """A converter that had not settled is a departure from what is given, with either leak."""
+    search, chosen = leaking
+    problem = search.on(chosen.problem, ('fit', 'select'), 1)
+    unsettled = chosen.fit.z.copy()
+    unsettled[len(problem.freedoms) + 1] += 16.0  # 8 kPa
+    (other,) = alike(problem, problem.at(unsettled), 'chamber_leak', (), ('exhaust_seat_leak',))
+    assert abs(other.cost) < 1.0
+
+
 def test_two_leaks_of_the_same_air_are_one_to_a_record_and_a_curved_spring_is_not(leaking):
     costs = places_of(*leaking)
     assert next(iter(costs)) == 'exhaust_seat_leak'
@@ -96,6 +106,22 @@ def test_what_cannot_be_told_apart_is_fitted_before_anything_is_chosen(leaking):
     assert compared[1].fit.cost == pytest.approx(compared[0].fit.cost, abs=1.0)
     alone = replace(search, names=tuple(n for n in search.names if n != 'exhaust_seat_leak'))
     assert rematch(alone, chosen, [chosen]) == [chosen]
+
+
+class SeesNoLeakOfTheChamber(Search):
+    """A search whose rows do not show a chamber leak, whatever was fitted."""
+
+    def fault(self, problem, fit, effect):
+        return 'none of it' if effect == 'chamber_leak' else super().fault(problem, fit, effect)
+
+
+def test_the_plainer_one_gives_way_where_the_rows_do_not_show_it(leaking):
+    search, chosen = leaking
+    blind = SeesNoLeakOfTheChamber(search.experiment, search.segments, search.declared,
+                                   search.freedoms, ('chamber_leak', 'exhaust_seat_leak'))
+    first, last = rematch(blind, chosen, [chosen])
+    assert (first.effects, first.fault) == (('exhaust_seat_leak',), '')
+    assert (last.effects, last.fault) == (('chamber_leak',), 'none of it')
 
 
 def test_the_best_of_a_round_is_carried_on_if_one_that_was_behind_it_came_below_it(leaking):

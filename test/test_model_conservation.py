@@ -103,6 +103,23 @@ def test_heat_changes_temperature_but_not_the_gas_law_at_rest():
     assert hot['chamber_pressure'][-1] == pytest.approx(even['chamber_pressure'][-1], abs=5.0)
 
 
+def test_air_that_flows_through_takes_its_heat_along():
+    """Both seats leak: as much comes in as goes out, but not as warm."""
+    resistance, exhaust_leak = 20.0, 4e-8
+    run = simulate(positioner({
+        'booster.max_area': 0.0, 'booster.supply_leak_area': 1e-8,
+        'booster.exhaust_leak_area': exhaust_leak, 'actuator.thermal_resistance': resistance,
+    }), TIME, np.zeros_like(TIME), {'chamber_pressure': 30e3, 'gas_temperature': 340.0})
+    warm, out = run['gas_temperature'], leaked(run, exhaust_leak)
+    into = run['mass_flow'] + out
+    energy = (run['chamber_pressure'] + ATMOSPHERE) * DEAD_VOLUME / 0.4
+    gained = integral(3.5 * R * (into * AMBIENT - out * warm) - (warm - AMBIENT) / resistance)
+    carried_out = integral(3.5 * R * out * (warm - AMBIENT))
+    assert run['valve_position'].max() < 1e-6
+    assert carried_out[-1] > 1.0  # J
+    assert np.abs(energy - energy[0] - gained).max() < 0.02 * carried_out[-1]
+
+
 def test_closed_booster_keeps_its_mass():
     """No current in the dead band between the seats: what is in stays in, to the last gram."""
     shut = positioner({'booster.max_area': 0.0, 'actuator.thermal_resistance': 0.5})

@@ -64,7 +64,7 @@ def diagnose(
         experiment.time, drive)
     _check_parts(experiment, segments)
     search = Search(experiment, segments, declared, free_to_refit(declared, experiment),
-                    applicable(experiment, declared))
+                    applicable(_less_the_locked_part(experiment, segments), declared))
     tell('refitting the declared parameters', 0.02)
     refit = search.refit()
     search = where_born(search, refit)
@@ -82,6 +82,13 @@ def _check_parts(experiment: Experiment, segments: list[Segment]) -> None:
             raise RecordError(
                 f'the record has no row to {purpose} by: those meant for it, '
                 f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
+
+
+def _less_the_locked_part(experiment: Experiment, segments: list[Segment]) -> Experiment:
+    """Return the experiment without the values that nothing may be chosen by."""
+    rows = rows_of(segments, USED, len(experiment.time))
+    return replace(experiment, measured={
+        name: np.where(rows, values, np.nan) for name, values in experiment.measured.items()})
 
 
 def _sought(search: Search, refit: Candidate, tell: Progress) -> tuple[Tried, list[Candidate]]:
@@ -208,7 +215,9 @@ def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
         for index, free in enumerate(last.problem.freedoms):
             parameter = free.knob.parameter
             if parameter in own:
-                value, low, high = interval_of(last.problem, last.draws, last.fit, index)
+                tried_ends = last.trials and last.trials.ends(index)
+                value, low, high = interval_of(
+                    last.problem, last.draws, last.fit, index, tried_ends)
                 parameters[parameter] = Interval(value, low, high, DESCRIPTIONS[parameter].unit)
         rest = tuple(e for e in best.effects if e != name)
         rivals = _rivals(name, rest, tried, best)

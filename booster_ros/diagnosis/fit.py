@@ -184,6 +184,10 @@ class Problem:
         start = z[len(self.freedoms):] / START if self.nuisances else []
         return np.concatenate([*parts, priors, start])
 
+    def cost_of_priors(self, z: Array) -> float:
+        """Return the sum of squares of the departures at z from what is given, start included."""
+        return float(np.sum(self._with_priors(z, [])**2))
+
     def jacobian(self, z: Array, here: Array, before: Array | None = None) -> Array:
         """
         Return d(residuals)/dz by one-sided differences, columns side by side.

@@ -140,7 +140,8 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
         spread = absolute + relative * width
         if spread <= 0.0:
             continue
-        low = value - 5.0 * spread if absolute else max(value - 5.0 * spread, 0.05 * value)
+        signed = absolute or name == 'actuator.bench_set'
+        low = max(value - 5.0 * spread, -np.inf if signed else 0.05 * value)
         found.append(Free(
             Knob(name, value, low, value + 5.0 * spread, value), value, spread, 1.0, element))
     return found

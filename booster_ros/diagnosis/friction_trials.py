@@ -59,6 +59,13 @@ class Trials:
         """Return z of those that leave no more than slips by chance do, shape (some, variables)."""
         return self.z[self.cost <= np.quantile(self.cost[-TRIALS:], BY_CHANCE)]
 
+    def ends(self, index: int) -> tuple[float, float] | None:
+        """Return how far a variable goes either way in good trials, None if it was not varied."""
+        if index not in self.varied:
+            return None
+        good = self.as_good[:, index]
+        return float(good.min()), float(good.max())
+
     def instead_of(self, draws: Array) -> Array:
         """Return draws of z, shape (draws, variables), with what was varied as in good trials."""
         good = self.as_good

@@ -54,7 +54,7 @@ def alike(problem: Problem, fit: Fit, effect: str, present: tuple[str, ...],
     rest = Problem(_as_predicted(problem, fit), problem.rows, problem.base, tuple(
         problem.freedoms[j] for j in kept if j < len(problem.freedoms)))
     around = [reference_at(rest, rest.at(fit.z[kept]))]
-    departures = sum((z / free.sigma) ** 2 for z, free in zip(fit.z, problem.freedoms))
+    departures = problem.cost_of_priors(fit.z)
 
     def one(name: str) -> Alike:
         found = screen(rest, around, name, _A_FREQUENCY)

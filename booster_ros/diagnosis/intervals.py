@@ -136,16 +136,22 @@ def _cut(of_row: Array, parts: int) -> Array:
     return finer
 
 
-def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> tuple[float, float, float]:
+def interval_of(problem: Problem, draws: Array, fit: Fit, index: int,
+                tried: tuple[float, float] | None = None) -> tuple[float, float, float]:
     """
     Return (value, low, high) of a variable as the parameter's value, 95 %, within bounds.
+
+    `tried` are the ends of what trials have shown to be as good, where there were some: they were
+    drawn ever closer to the best, so that a share of them is no measure.
 
     What shows nowhere where it stands, a lift of a seat that is never reached, goes to where the
     rows would notice it (profile likelihood, all else as it is). A stiffness or restriction that
     may as well be none ends at its upper bound, not at the zero that stands for "none" there.
     """
     free = problem.freedoms[index]
-    if np.linalg.norm(fit.jacobian[:, index]) < SILENT:
+    if tried is not None:
+        low, high = tried
+    elif np.linalg.norm(fit.jacobian[:, index]) < SILENT:
         low, high = _unnoticed(problem, fit, index)
     else:
         low, high = np.quantile(draws[:, index], [0.025, 0.975])

@@ -11,7 +11,8 @@ what lies between two similar effects. So the close ones meet again:
    also where no fit has found that yet;
 3. all are fitted to every row of the fit and select segments, to their very ends, those that seem
    unlikely then from the end of the best as well;
-4. of those that this does not make unlikely beside the best, the plainest is taken.
+4. of those whose effects these rows show, and that this does not make unlikely beside the best,
+   the plainest is taken.
 
 Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
 one effect, above the stem or of it, are fitted once more to the thinned rows, beginning with what
@@ -67,7 +68,8 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
     best = min(again, key=lambda one: one.fit.cost)
     again = [_from_the_end_of(best, search, one) for one in again]
     least = min(one.fit.cost for one in again)
-    return sorted(again, key=lambda one: plainness(one, one.fit.cost - least))
+    again = [replace(one, fault=next(iter(search.faults(one).values()), '')) for one in again]
+    return sorted(again, key=lambda one: (bool(one.fault), plainness(one, one.fit.cost - least)))
 
 
 def _from_the_end_of(best: Candidate, search: Search, one: Candidate) -> Candidate:

@@ -105,7 +105,8 @@ class Search:
                 scaled = (measured[part] - predicted[name][part]) / self.experiment.noise[name] \
                     if predicted is not None else np.full(segment.last - segment.first, np.inf)
                 scaled = scaled[np.isfinite(measured[part])]
-                total += float(scaled @ scaled)
+                # a run that was lost on the way has no values from there on
+                total += float(np.sum(np.nan_to_num(scaled**2, nan=np.inf)))
                 samples += len(scaled)
             sums.append(total)
         prior = sum((z / free.sigma) ** 2 for z, free in zip(fit.z, fit.freedoms)
@@ -171,6 +172,12 @@ class Search:
         of_row = segment_of_row(self.segments, len(self.experiment.time))
         rows = np.searchsorted(self.experiment.time, problem.experiment.time)
         return undetermined(problem, block_bootstrap(problem, fit, of_row[rows]), fit, effect)
+
+    def faults(self, candidate: Candidate) -> dict[str, str]:
+        """Return why, by name, of each effect of a model that its rows do not show."""
+        faults = {name: self.fault(candidate.problem, candidate.fit, name)
+                  for name in candidate.effects}
+        return {name: why for name, why in faults.items() if why}
 
 
 def carried(target: Problem, *sources: Fit) -> Array:

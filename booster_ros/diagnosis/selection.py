@@ -388,10 +388,9 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
 
 def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
     """Leave out every effect that the last and fullest fit does not tell from none."""
-    for name in chosen.effects:
-        if search.fault(chosen.problem, chosen.fit, name):
-            rest = tuple(e for e in chosen.effects if e != name)
-            smaller = search.on_both(search.without(chosen, rest), 1)
-            everything.append(smaller)
-            return _pruned(search, smaller, everything)
+    for name in search.faults(chosen):
+        rest = tuple(e for e in chosen.effects if e != name)
+        smaller = search.on_both(search.without(chosen, rest), 1)
+        everything.append(smaller)
+        return _pruned(search, smaller, everything)
     return chosen

@@ -12,7 +12,7 @@ from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import ChannelError, Diagnosis
 from booster_ros.diagnosis.unknown import followed
-from booster_ros.model.booster import exhaust_area, intake_area, largest_exhaust_area
+from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
 
 Array = np.ndarray
@@ -84,14 +84,11 @@ def _opened_further(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, 
 
 def _fully_open(experiment: Experiment, parameters: PositionerParameters) -> dict[str, float]:
     """Return the share of rows in which each seat of the booster is open as far as it goes."""
-    booster = parameters.booster
     run = experiment.simulate(parameters)
-    rows = list(zip(run['booster_force'], run['supply_pressure'], run['chamber_pressure']))
-    intake = [intake_area(booster, force, supply, outlet) for force, supply, outlet in rows]
-    exhaust = [exhaust_area(booster, force, outlet) for force, _, outlet in rows]
-    largest = {'intake': booster.max_area, 'exhaust': largest_exhaust_area(booster)}
-    return {seat: float(np.mean(np.array(areas) >= FULLY * largest[seat])) if largest[seat] else 0.0
-            for seat, areas in (('intake', intake), ('exhaust', exhaust))}
+    largest = {'intake': parameters.booster.max_area,
+               'exhaust': largest_exhaust_area(parameters.booster)}
+    return {seat: float(np.mean(run[f'{seat}_area'] >= FULLY * area)) if area else 0.0
+            for seat, area in largest.items()}
 
 
 def _start(experiment: Experiment, parameters: PositionerParameters) -> Initial:

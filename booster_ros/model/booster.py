@@ -80,10 +80,9 @@ def opening_area(
         area = max_area * (area / max_area) ** booster.opening_exponent
     if booster.knee_softness > 0.0:
         p = 1.0 / booster.knee_softness
-        # beyond 1e3 the power would overflow where the knee is long passed
-        return area / (1.0 + min(area / max_area, 1e3) ** p) ** (1.0 / p) if p < 60.0 else min(
-            area, max_area
-        )
+        if p < 60.0:
+            share = min(area / max_area, 1e3)  # the power would overflow long beyond the knee
+            return max_area * share / (1.0 + share**p) ** (1.0 / p)
     return min(area, max_area)
 
 

@@ -21,7 +21,7 @@ from .booster import (
 from .discrepancy import (
     Discrepancy, behind_play, forgets, has_play, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
-from .gas import ATMOSPHERE
+from .gas import ATMOSPHERE, carried
 from .sensors import Sensors, lagged, position_reading, pressure_reading
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
@@ -256,8 +256,10 @@ def derivatives(
     swept = area * y[VELOCITY]
     rates[TEMPERATURE] = 0.0
     if p.actuator.thermal_resistance > 0.0:
-        enthalpy = delivered * (ambient if delivered > 0.0 else gas_temperature)
-        enthalpy -= leaked * (gas_temperature if leaked > 0.0 else ambient)
+        # without a tube both seats open into the chamber, and one may leak while the other flows
+        enthalpy = carried(delivered, ambient, gas_temperature) if restricted else (
+            carried(into, ambient, gas_temperature) - carried(out, gas_temperature, ambient))
+        enthalpy -= carried(leaked, gas_temperature, ambient)
         rates[CHAMBER], rates[TEMPERATURE] = energy_rates(
             p.actuator, chamber, gas_temperature, volume, swept, compliance, enthalpy,
             delivered - leaked, ambient)
