@@ -92,6 +92,18 @@ def test_too_few_rows_are_refused():
         prepare(record_of(**few), DECLARED)
 
 
+@pytest.mark.parametrize('name', ['chamber_pressure', 'valve_position'])
+@pytest.mark.parametrize('values', [1, 11])
+def test_a_channel_with_too_few_values_is_not_compared_and_cuts_nothing(name, values):
+    columns = step_test()
+    columns[name][:-values] = np.nan
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert experiment.channels == tuple({'chamber_pressure', 'valve_position'} - {name})
+    assert len(experiment.time) == ROWS
+    said = f'{name} is not compared: it has {values} of the 12 values needed'
+    assert experiment.notes == (said,)
+
+
 def test_the_prepared_model_of_an_exact_plant_misses_by_the_noise():
     experiment = prepare(record_of(**step_test()), DECLARED)
     assert experiment.noise['chamber_pressure'] == pytest.approx(150.0, rel=0.2)

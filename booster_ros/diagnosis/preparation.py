@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a cleaned record to an experiment."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -61,6 +61,7 @@ def prepare(
     seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
     record, idle = _without_idle_command(record)
+    record, sparse = _without_sparse(record, roles(record.columns, record.source).compared)
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
     check_scales(columns, declared, record.source)
@@ -91,7 +92,7 @@ def prepare(
         drive_noise={} if quasi_static else {
             name: _drive_noise(name, values, rests) for name, values in sampled.items()},
         quasi_static=quasi_static,
-        notes=(*idle, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
+        notes=(*idle, *sparse, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
                *_still_notes(compared)),
     )
     check_bench(experiment, declared, record.source)
@@ -115,6 +116,18 @@ def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
     others = {name: values for name, values in record.columns.items() if name != 'control_current'}
     return replace(record, columns=others), (
         'control_current is 0 A in every row that a sweep is compared in: it did not drive it',)
+
+
+def _without_sparse(record: Record, compared: Collection[str]) -> tuple[Record, tuple[str, ...]]:
+    """Return the record without channels of too few values to compare, if others have enough."""
+    counts = {name: int(np.isfinite(record[name]).sum()) for name in compared}
+    sparse = {name: count for name, count in counts.items() if count < FEWEST_ROWS}
+    if len(sparse) == len(counts):
+        return record, ()
+    others = {name: values for name, values in record.columns.items() if name not in sparse}
+    return replace(record, columns=others), tuple(
+        f'{name} is not compared: it has {count} of the {FEWEST_ROWS} values needed'
+        for name, count in sparse.items())
 
 
 def _from_known_start(
