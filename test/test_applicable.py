@@ -44,10 +44,16 @@ RECORDS = {
 }
 
 
+def prepared(kind):
+    """Return a prepared record; what nothing drives is of a chamber that is declared shut."""
+    declared = put(DECLARED, 'booster.opening_gain', 0.0) if kind == 'isolated' else DECLARED
+    return prepare(record_of(RECORDS[kind]), declared)
+
+
 @pytest.fixture(params=RECORDS)
 def experiment(request):
     """Return a prepared record."""
-    return prepare(record_of(RECORDS[request.param]), DECLARED)
+    return prepared(request.param)
 
 
 def test_an_effect_that_is_left_out_would_have_changed_nothing(experiment):
@@ -70,7 +76,7 @@ def test_an_effect_that_is_left_out_would_have_changed_nothing(experiment):
 
 
 def names(key):
-    return set(applicable(prepare(record_of(RECORDS[key]), DECLARED), DECLARED))
+    return set(applicable(prepared(key), DECLARED))
 
 
 def located(*locations):
@@ -83,7 +89,7 @@ def test_a_full_record_may_show_every_effect():
 
 
 def test_the_isentropic_law_has_no_critical_ratio_to_look_for():
-    experiment = prepare(record_of(RECORDS['commanded']), DECLARED)
+    experiment = prepared('commanded')
     nozzle = put(DECLARED, 'booster.orifice_law', ISENTROPIC)
     assert set(EFFECTS) - set(applicable(experiment, nozzle)) == {'critical_pressure_ratio'}
     refitted = {free.knob.parameter for free in free_to_refit(nozzle, experiment)}
@@ -109,15 +115,15 @@ def test_an_isolated_chamber_shows_itself():
 
 def test_a_stem_far_below_its_bench_set_shows_nothing_unless_it_is_seen():
     shut = DECLARED._replace(actuator=DECLARED.actuator._replace(bench_set=(9e5, 1e6)))
-    isolated = prepare(record_of(RECORDS['isolated']), DECLARED)
+    isolated = prepared('isolated')
     assert not {n for n in applicable(isolated, shut) if EFFECTS[n].location == 'stem'}
-    seen = prepare(record_of(RECORDS['commanded']), DECLARED)
+    seen = prepared('commanded')
     assert set(applicable(seen, shut)) == set(EFFECTS)
 
 
 @pytest.mark.parametrize('kind', RECORDS)
 def test_parameters_that_are_not_turned_change_nothing(kind):
-    experiment = prepare(record_of(RECORDS[kind]), DECLARED)
+    experiment = prepared(kind)
     before = experiment.predict(DECLARED)
     turned = set()
     for free in declared_freedom(DECLARED, experiment):
@@ -133,7 +139,7 @@ def test_parameters_that_are_not_turned_change_nothing(kind):
 
 def test_tolerances_are_said_in_si_and_parameters_by_how_many_they_moved():
     """A stop is fitted as what it yields; it says of its stiffness the same as the others do."""
-    for free in declared_freedom(DECLARED, prepare(record_of(RECORDS['commanded']), DECLARED)):
+    for free in declared_freedom(DECLARED, prepared('commanded')):
         given, little = free.value(0.0), 1e-3
         slope = (free.value(little) - free.value(-little)) / (2.0 * little)
         assert free.spread == pytest.approx(abs(slope), rel=1e-4)
@@ -145,7 +151,7 @@ def test_tolerances_are_said_in_si_and_parameters_by_how_many_they_moved():
 
 
 def test_what_a_flow_bench_finds_has_no_tolerance():
-    bench = declared_freedom(DECLARED, prepare(record_of(RECORDS['bench']), DECLARED))
+    bench = declared_freedom(DECLARED, prepared('bench'))
     gain = next(free for free in bench if free.knob.parameter == 'booster.opening_gain')
     assert gain.spread is None
     assert gain.away(gain.high) == 0.0

@@ -14,6 +14,7 @@ from booster_ros.records import RecordError
 from booster_ros.records.cleaning import clean
 
 DECLARED = PositionerParameters()
+SHUT = DECLARED._replace(booster=DECLARED.booster._replace(opening_gain=0.0))
 ROWS = 400
 
 
@@ -45,6 +46,7 @@ BACK = {'back_pressure': 180e3 + 0.2 * RAMP}
 SUPPLY = {'supply_pressure': np.full(ROWS, 400e3)}
 FLOW = {'mass_flow': np.linspace(0.0, 1e-3, ROWS)}
 CURRENT = {'control_current': np.linspace(0.40e-3, 0.46e-3, ROWS)}
+NO_CURRENT = {'control_current': np.zeros(ROWS)}
 
 
 @pytest.mark.parametrize(('columns', 'pinned', 'compared'), [
@@ -57,8 +59,6 @@ CURRENT = {'control_current': np.linspace(0.40e-3, 0.46e-3, ROWS)}
      ('mass_flow',)),
     (TIME | CHAMBER | POSITION, ('chamber_pressure',), ('valve_position',)),
     (CHAMBER | POSITION, ('chamber_pressure',), ('valve_position',)),
-    (TIME | CHAMBER, (), ('chamber_pressure',)),
-    (TIME | CHAMBER | SUPPLY, ('supply_pressure',), ('chamber_pressure',)),
 ])
 def test_the_most_upstream_channels_drive_and_the_others_are_compared(columns, pinned, compared):
     experiment = prepare(record_of(**columns), DECLARED)
@@ -67,6 +67,20 @@ def test_the_most_upstream_channels_drive_and_the_others_are_compared(columns, p
     assert np.ptp(experiment.current) == (np.ptp(CURRENT['control_current'])
                                           if 'control_current' in columns else 0.0)
     assert experiment.quasi_static == ('time' not in columns)
+
+
+@pytest.mark.parametrize(('columns', 'pinned', 'compared'), [
+    (TIME | CHAMBER, (), ('chamber_pressure',)),
+    (TIME | CHAMBER | SUPPLY, ('supply_pressure',), ('chamber_pressure',)),
+    (TIME | NO_CURRENT | CHAMBER | POSITION, (), ('chamber_pressure', 'valve_position')),
+])
+def test_a_record_that_nothing_drives_is_of_a_chamber_that_is_declared_shut(
+        columns, pinned, compared):
+    experiment = prepare(record_of(**columns), SHUT)
+    assert tuple(experiment.pinned) == pinned
+    assert experiment.channels == compared
+    with pytest.raises(RecordError, match=r'^plant\.csv: nothing drives the model'):
+        prepare(record_of(**columns), DECLARED)
 
 
 @pytest.mark.parametrize('columns', [

@@ -21,6 +21,9 @@ from booster_ros.records import RecordError
 
 Array = np.ndarray
 
+DRIVES = {'control_current', 'back_pressure', 'chamber_pressure'}
+"""What can move the valve: a supply alone does not."""
+
 MOST = 0.99
 BEYOND_TRAVEL = 2.0
 """A position is that of another valve where this share of it goes, or more, beyond so many times
@@ -90,6 +93,17 @@ def check_bench(experiment: Experiment, declared: PositionerParameters, source: 
         if get(declared, name) <= 0.0:
             raise RecordError(
                 f'{source}: a flow bench, around a booster without flow: {name} must be above 0')
+
+
+def check_drive(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where nothing drives the model and the declared booster is not shut."""
+    booster = declared.booster
+    if booster.opening_gain <= 0.0 or booster.max_area <= 0.0 or DRIVES & {*experiment.drives}:
+        return
+    raise RecordError(
+        f'{source}: nothing drives the model (control_current is missing, or 0 A in every row), '
+        'and the declared booster opens: declare booster.opening_gain: 0.0 if the chamber was shut '
+        'off, or leave out a current that did not drive the valve')
 
 
 def check_pressures(

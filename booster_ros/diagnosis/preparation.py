@@ -13,7 +13,7 @@ from booster_ros.diagnosis.late_commands import commands_may_be_late, with_noise
 from booster_ros.diagnosis.noise import white_noise
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.plausibility import (
-    check_bench, check_clock, check_pressures, check_scales)
+    check_bench, check_clock, check_drive, check_pressures, check_scales)
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
@@ -95,6 +95,7 @@ def prepare(
         notes=(*idle, *sparse, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
                *_still_notes(compared)),
     )
+    check_drive(experiment, declared, record.source)
     check_bench(experiment, declared, record.source)
     if not quasi_static:
         check_clock(experiment, declared, record.source)

@@ -9,8 +9,7 @@ from booster_ros.records import COLUMNS, RecordError
 
 _NO_BOOSTER = 'mass_flow is not compared: without control_current or back_pressure nothing says '\
     'how far the booster is open'
-_ISOLATED = 'no drive in the record: the chamber is taken as isolated, with the current at 0 A; '\
-    'the parameters must describe that (a booster without opening_gain)'
+_ISOLATED = 'no drive in the record: the chamber is taken as shut off, as declared'
 
 
 @dataclass(frozen=True)
