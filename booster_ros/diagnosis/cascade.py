@@ -21,6 +21,7 @@ from booster_ros.diagnosis.friction_start import best_friction
 from booster_ros.diagnosis.search import EVALUATIONS, Search, as_given, carried
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
@@ -50,8 +51,7 @@ def above_the_stem(experiment: Experiment) -> Experiment | None:
     if len(interval) < 10 * WINDOW or np.max(interval) > 4.0 * np.median(interval):
         return None
     position = experiment.measured['valve_position']
-    seen = np.isfinite(position)
-    whole = np.interp(experiment.time, experiment.time[seen], position[seen])
+    whole = bridged(experiment.time, position)
     step = float(np.median(interval))
     return replace(
         experiment,

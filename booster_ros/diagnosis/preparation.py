@@ -18,7 +18,7 @@ from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
-from booster_ros.records.holding import last_known
+from booster_ros.records.holding import bridged, last_known
 from booster_ros.records.time_axis import gap_rows, longest_usual
 
 Array = np.ndarray
@@ -79,7 +79,7 @@ def prepare(
     compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
     _check_enough(compared, record.source)
     current = _current(columns, role, quasi_static)
-    pinned = {name: _bridged(time, columns[name]) for name in role.pinned}
+    pinned = {name: bridged(time, columns[name]) for name in role.pinned}
     rests = [] if quasi_static else rests_of(time, [current, *pinned.values()])
     noise = _noise(columns, rests)
     experiment = Experiment(
@@ -219,11 +219,6 @@ def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
     return DriveNoise(max(float(level), LEAST_NOISE[name]), every, coloured.correlation)
 
 
-def _bridged(time: Array, values: Array) -> Array:
-    known = np.isfinite(values)
-    return np.interp(time, time[known], values[known])
-
-
 def _between_samples(time: Array, values: Array) -> Array:
     """Return a drive that was sampled more slowly than the rows, filled but for its own gaps."""
     known = time[np.isfinite(values)]
@@ -231,7 +226,7 @@ def _between_samples(time: Array, values: Array) -> Array:
         return values
     after = np.searchsorted(known, time).clip(1, len(known) - 1)
     near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
-    return np.where(near | np.isfinite(values), _bridged(time, values), np.nan)
+    return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
 
 
 def _check_enough(compared: Mapping[str, Array], source: str) -> None:

@@ -26,6 +26,7 @@ from booster_ros.model.discrepancy import (
     KNOTS, Discrepancy, covered, past_at_rest, place_in_play)
 from booster_ros.model.sensors import lagged
 from booster_ros.model.system import PAST_UNIT, PositionerParameters
+from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
@@ -207,8 +208,7 @@ def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Ar
     if values is None or not np.isfinite(values[seen]).any():
         values = experiment.simulate(reference.parameters, reference.initial)[name]
     elif table.variable in term.CHANGE_OF:
-        known = np.isfinite(values)
-        values = np.interp(experiment.time, experiment.time[known], values[known])
+        values = bridged(experiment.time, values)
     p = reference.parameters._replace(discrepancy=table)
     return followed(p, experiment.time, {name: np.asarray(values)})
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a series had last, where it has no value."""
+"""What a series had last, or runs through, where it has no value."""
 
 import numpy as np
 
@@ -20,3 +20,9 @@ def held(values: Array, since: Array) -> Array:
     """
     latest = last_known(values)
     return np.where(latest >= since, values[latest], np.nan)
+
+
+def bridged(time: Array, values: Array) -> Array:
+    """Return the values with a straight line across what is missing; one of them is known."""
+    known = np.isfinite(values)
+    return np.interp(time, time[known], values[known])
