@@ -521,6 +521,33 @@ def test_values_of_another_scale_are_refused_before_they_become_an_effect(column
     assert says in str(caught.value)
 
 
+def stepped(plant, levels=(3.6, 4.3, 3.9, 4.5)):
+    """Return time, current (0.1 mA), pressure and position of a valve that is stepped about."""
+    time = TIME['time']
+    current = 1e-4 * np.array(levels)[(time // 5.0).astype(int) % len(levels)]
+    run = simulate(plant, time, current, {'chamber_pressure': 250e3})
+    return {'time': time, 'control_current': current,
+            **{name: run[name] for name in ('chamber_pressure', 'valve_position')}}
+
+
+def test_an_absolute_pressure_of_a_booster_with_a_dead_band_is_refused():
+    columns = stepped(DECLARED._replace(booster=DECLARED.booster._replace(
+        intake_preload=0.1, exhaust_preload=0.1)))
+    prepare(record_of(**columns), DECLARED)
+    columns['chamber_pressure'][200:220] = np.nan
+    columns['chamber_pressure'] += 101_325.0
+    with pytest.raises(RecordError, match=r'column chamber_pressure: .* looks like absolute'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_stem_that_moves_at_another_pressure_than_declared_is_of_no_absolute_one():
+    """With an atmosphere less it would move nearly as measured; but the booster is as declared."""
+    harder = DECLARED._replace(actuator=DECLARED.actuator._replace(bench_set=(230e3, 380e3)))
+    columns = stepped(harder, levels=(4.3, 4.6, 4.4, 4.7))
+    assert columns['chamber_pressure'].min() > 150e3
+    assert prepare(record_of(**columns), DECLARED).channels
+
+
 def test_a_sensor_that_is_off_by_less_or_by_what_swings_is_no_absolute_pressure():
     columns = step_test()
     given = columns['chamber_pressure']

@@ -18,6 +18,7 @@ from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
+from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
@@ -39,8 +40,11 @@ STEADY = 20e3
 within the first of these, Pa, and four fifths of the rows within the second of each other."""
 
 MOSTLY_EXPLAINED = 0.3
-"""So is one that drives the stem, is never below the atmosphere, and leaves this share or less of
-the error of the stem's position with an atmosphere taken off."""
+FAR_ABOVE = 50e3
+"""So is one that is never below the atmosphere, and driving the stem leaves this share or less of
+the error of its position with an atmosphere taken off. One that is not the drive has to lie so far
+above the declared model, Pa: else the stem is another one. Above a dead band no atmosphere is
+steady."""
 
 FAR_TOO_SMALL = 0.05
 FOLLOWS = 0.9
@@ -116,10 +120,9 @@ def check_pressures(
         if name in predicted:
             _check_unit(name, experiment.measured[name], predicted[name], source)
     if 'chamber_pressure' in predicted:
-        _check_gauge(experiment.measured['chamber_pressure'] - predicted['chamber_pressure'],
-                     source)
+        _check_gauge(experiment, declared, predicted['chamber_pressure'], source)
     elif 'chamber_pressure' in experiment.pinned and 'valve_position' in predicted:
-        _check_drive_of_stem(experiment, declared, predicted['valve_position'], source)
+        _check_drive_of_stem(experiment, declared, source)
 
 
 def _check_unit(name: str, measured: Array, predicted: Array, source: str) -> None:
@@ -162,7 +165,10 @@ def _alike(measured: Array, predicted: Array) -> float:
     return float(np.corrcoef(measured[both], predicted[both])[0, 1])
 
 
-def _check_gauge(above: Array, source: str) -> None:
+def _check_gauge(
+    experiment: Experiment, declared: PositionerParameters, predicted: Array, source: str
+) -> None:
+    above = experiment.measured['chamber_pressure'] - predicted
     if not np.isfinite(above).any():
         return
     low, middle, high = np.nanquantile(above, [0.1, 0.5, 0.9])
@@ -170,10 +176,21 @@ def _check_gauge(above: Array, source: str) -> None:
         raise RecordError(
             f'{source}, column chamber_pressure: lies {middle:.4g} Pa above the declared model '
             'throughout, which looks like absolute pressure: subtract that of the atmosphere')
+    if middle > FAR_ABOVE and 'valve_position' in experiment.measured:
+        _check_drive_of_stem(_stem_alone(experiment), declared, source)
+
+
+def _stem_alone(experiment: Experiment) -> Experiment:
+    """Return the experiment with the stem driven by the measured pressure."""
+    pressure = bridged(experiment.time, experiment.measured['chamber_pressure'])
+    return replace(
+        experiment, current=np.zeros_like(experiment.current),
+        measured={'valve_position': experiment.measured['valve_position']},
+        pinned={**experiment.pinned, 'chamber_pressure': pressure})
 
 
 def _check_drive_of_stem(
-    experiment: Experiment, declared: PositionerParameters, predicted: Array, source: str
+    experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
     pressure = experiment.pinned['chamber_pressure']
     position = experiment.measured['valve_position']
@@ -182,8 +199,9 @@ def _check_drive_of_stem(
     less = replace(experiment, pinned={
         **experiment.pinned, 'chamber_pressure': pressure - ATMOSPHERE})
     every = np.ones(len(position), dtype=bool)
-    given = rmse(position, predicted, every)
-    if rmse(position, less.predict(declared)['valve_position'], every) < MOSTLY_EXPLAINED * given:
+    given, lowered = (rmse(position, one.predict(declared)['valve_position'], every)
+                      for one in (experiment, less))
+    if lowered < MOSTLY_EXPLAINED * given:
         raise RecordError(
             f'{source}, column chamber_pressure: is never below {np.min(pressure):.4g} Pa, and the '
             'declared stem moves as measured with an atmosphere less, which looks like absolute '
