@@ -508,6 +508,7 @@ def test_a_vented_valve_says_nothing_of_where_its_converter_starts():
     ('chamber_pressure', lambda p: 0.01 * p, 'from mbar'),
     ('valve_position', lambda x: x / 0.016, 'declared travel is 0.016 m'),
     ('valve_position', lambda x: 0.1 * x + 0.09, 'declared travel is 0.016 m'),
+    ('valve_position', lambda x: -x, 'reverse its sign'),
     ('control_current', lambda i: 0.004 + 16.0 * i, 'the supply has 4e+05'),
     ('time', lambda t: 1e3 * t, 'if they are 100 milliseconds apart'),
     ('time', lambda t: t / 3600.0, 'hours apart'),
@@ -546,6 +547,20 @@ def test_a_stem_that_moves_at_another_pressure_than_declared_is_of_no_absolute_o
     columns = stepped(harder, levels=(4.3, 4.6, 4.4, 4.7))
     assert columns['chamber_pressure'].min() > 150e3
     assert prepare(record_of(**columns), DECLARED).channels
+
+
+@pytest.mark.parametrize('driven', [True, False])
+def test_a_position_below_closed_is_of_this_valve_if_it_rises_as_the_valve_opens(driven):
+    columns = stepped(DECLARED)
+    if not driven:
+        del columns['control_current']
+    position = columns['valve_position']
+    columns['valve_position'] = position - 0.007
+    assert columns['valve_position'].mean() < 0.0
+    prepare(record_of(**columns), DECLARED)
+    columns['valve_position'] = -position
+    with pytest.raises(RecordError, match='falls where the declared model opens'):
+        prepare(record_of(**columns), DECLARED)
 
 
 def test_a_sensor_that_is_off_by_less_or_by_what_swings_is_no_absolute_pressure():

@@ -52,7 +52,8 @@ HUNDRED = 100.0
 """
 A pressure is in another unit where it follows that of the declared model (correlation) at the first
 share of its size or less: in mbar it is a hundredth, and no effect leaves so little of it. So is
-one that drives and is as little of the declared supply, if the model follows it as mbar only.
+one that drives and is as little of the declared supply, if the model follows it as mbar only. A
+position is reversed that follows the model as well, and the other way.
 """
 
 SMALLEST = 1e-12
@@ -206,6 +207,21 @@ def _check_drive_of_stem(
             f'{source}, column chamber_pressure: is never below {np.min(pressure):.4g} Pa, and the '
             'declared stem moves as measured with an atmosphere less, which looks like absolute '
             'pressure: subtract that of the atmosphere')
+
+
+def check_direction(
+    experiment: Experiment, declared: PositionerParameters, source: str
+) -> None:
+    """Raise RecordError where a position lies below closed and moves against the declared model."""
+    position = experiment.measured.get('valve_position')
+    if position is None or not np.nansum(position) < 0.0:
+        return
+    seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
+    driven = _stem_alone(experiment) if seen else experiment
+    if _alike(position, driven.predict(declared)['valve_position']) < -FOLLOWS:
+        raise RecordError(
+            f'{source}, column valve_position: lies mostly below closed and falls where the '
+            'declared model opens: reverse its sign, positions count from closed')
 
 
 def check_clock(experiment: Experiment, declared: PositionerParameters, source: str) -> None:

@@ -13,7 +13,7 @@ from booster_ros.diagnosis.late_commands import commands_may_be_late, with_noise
 from booster_ros.diagnosis.noise import white_noise
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.plausibility import (
-    check_bench, check_clock, check_drive, check_pressures, check_scales)
+    check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales)
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
@@ -100,6 +100,7 @@ def prepare(
     if not quasi_static:
         check_clock(experiment, declared, record.source)
     check_pressures(experiment, declared, record.source)
+    check_direction(experiment, declared, record.source)
     if quasi_static:
         return experiment
     if commands_may_be_late(experiment):
