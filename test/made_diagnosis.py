@@ -16,6 +16,7 @@ from booster_ros.diagnosis.result import (
     UnknownTerm,
 )
 from booster_ros.diagnosis.segments import rows_of, split, split_sweep
+from booster_ros.diagnosis.validation import validated
 from booster_ros.model import discrepancy
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
@@ -107,6 +108,16 @@ TERM = UnknownTerm(BENT.discrepancy)
 def friction_found():
     """Return a diagnosis that has found friction."""
     return diagnosis_of(timed_columns(STICKING), 'effect', STICKING, (FRICTION,))
+
+
+def judged_on(columns, diagnosis):
+    """Return the diagnosis with its errors on a record of these columns."""
+    return validated(diagnosis, prepare(record_of(columns, 'other.csv'), DECLARED))
+
+
+def friction_judged():
+    """Return a diagnosis that has found friction, judged on another record."""
+    return judged_on(timed_columns(STICKING, seed=2), friction_found())
 
 
 def nothing_found():

@@ -13,7 +13,6 @@ import pytest
 from booster_ros.diagnosis import diagnose, selection
 from booster_ros.diagnosis.candidate import NEAR_NOISE, preferred_first
 from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
-from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.fit import START, Problem
 from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.intervals import interval_of
@@ -21,7 +20,7 @@ from booster_ros.diagnosis.last_fit import last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import _by_slips, _plainest_above, rematch
-from booster_ros.diagnosis.result import ChannelError, UnknownTerm
+from booster_ros.diagnosis.result import UnknownTerm
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.segments import USED
@@ -162,27 +161,7 @@ def test_effects_above_the_stem(effect, shows):
     assert shows_above_the_stem(effect) is shows
 
 
-def test_a_locked_part_that_speaks_against_the_choice_is_said():
-    better = ChannelError('Pa', 900.0, 400.0, 160.0, 150.0)
-    worse = ChannelError('m', 9e-5, 4e-5, 6e-5, 8e-6)
-    sentences = doubts({'chamber_pressure': better, 'valve_position': worse}, 'the locked part')
-    assert len(sentences) == 1
-    assert 'valve_position rises from 4e-05 to 6e-05 m' in sentences[0]
-    assert sentences[0].startswith('on the locked part')
-
-
-def test_a_locked_part_that_lacks_as_much_as_before_is_said():
-    missed = ChannelError('Pa', 1600.0, 1290.0, 1280.0, 150.0)
-    noise = ChannelError('m', 9e-6, 8e-6, 8e-6, 8e-6)
-    sentence, = doubts({'chamber_pressure': missed, 'valve_position': noise}, 'the locked part')
-    assert 'the locked part lacks as much' in sentence
-
-    gone = replace(missed, after=900.0)
-    assert doubts({'chamber_pressure': gone, 'valve_position': noise}, 'the locked part') == ()
-    assert doubts({'valve_position': noise}, 'the locked part') == ()
-
-
-def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error():
+def test_a_term_asked_for_what_it_has_not_seen_is_said():
     found = unknown_found()
     within = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
     assert validated(found, within).notes == found.notes
@@ -192,11 +171,6 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said_and_so_is_a_rising_error(
     seen = within.measured['valve_position']
     share = np.mean((seen < narrow.knots[1]) | (seen > narrow.knots[-2]))
     assert notes[-1].startswith(f'{100.0 * share:.0f} % of the other record lies beyond the valve_')
-
-    another = prepare(record_of(timed_columns()), DECLARED)
-    sentences = validated(found, another).notes[len(found.notes):]
-    assert any(s.startswith('on the other record the error of valve_pos') for s in sentences)
-
 
 def test_what_goes_by_time_since_the_record_began_is_said_of_the_other_record():
     found = unknown_found()

@@ -14,6 +14,8 @@ from made_diagnosis import (
     diagnosis_of,
     friction_found,
     friction_found_in_a_sweep,
+    friction_judged,
+    judged_on,
     nothing_found,
     timed_columns,
     unknown_found,
@@ -254,6 +256,82 @@ def test_what_an_effect_leaves_above_the_noise_is_said_and_only_that():
     assert said(1.2) == []
     assert said(4.0) == [
         'It leaves 4.0 times the noise in chamber pressure: that is not explained.']
+
+
+def off_by(diagnosis, part, before, after, name=None):
+    """Return the diagnosis with these errors, in noises, in one or every channel of a part."""
+    errors = {channel: replace(error, before=before * error.noise, after=after * error.noise)
+              if name in (None, channel) else error
+              for channel, error in getattr(diagnosis, part).items()}
+    return replace(diagnosis, **{part: errors})
+
+
+@pytest.mark.parametrize('part', ['held_out', 'validation'])
+@pytest.mark.parametrize(('before', 'after', 'said'), [
+    (10.0, 12.0, 'There the error rises with it in chamber pressure and valve position: trust it '
+                 'less.'),
+    (10.0, 9.5, 'There as much is missing with it as without: that does not confirm it.'),
+    (1.0, 1.2, 'There the error rises with it in chamber pressure and valve position: trust it '
+               'less.'),
+    (10.0, 2.0, None), (1.0, 1.0, None),
+])
+def test_what_speaks_against_the_choice_is_said_under_the_headline(part, before, after, said):
+    found = verdict_sentences(off_by(friction_judged(), part, before, after))
+    assert [one for one in found if one.startswith('There')] == ([said] if said else [])
+
+
+def test_only_the_channels_that_speak_against_the_choice_are_named():
+    diagnosis = off_by(friction_found(), 'held_out', 10.0, 2.0)
+    rises = off_by(diagnosis, 'held_out', 10.0, 12.0, 'valve_position')
+    assert 'There the error rises with it in valve position: trust it less.' in verdict_sentences(
+        rises)
+    same = off_by(diagnosis, 'held_out', 10.0, 10.0, 'valve_position')
+    assert not any(one.startswith('There') for one in verdict_sentences(same))
+
+
+def test_data_that_need_nothing_added_do_not_confirm_what_was():
+    diagnosis = friction_found()
+    assert any(one.startswith('With it the error falls') for one in verdict_sentences(diagnosis))
+    text = ' '.join(verdict_sentences(off_by(diagnosis, 'held_out', 1.2, 1.0)))
+    assert 'need nothing added, and so do not confirm it: there the error goes' in text
+    assert 'With it the error' not in text
+    one_needs = off_by(off_by(diagnosis, 'held_out', 1.2, 1.0), 'held_out', 4.0, 1.0,
+                       'valve_position')
+    assert 'With it the error falls' in ' '.join(verdict_sentences(one_needs))
+
+
+def test_how_the_choice_does_on_the_other_record_is_said_under_the_headline():
+    diagnosis = friction_judged()
+
+    def said(before, after):
+        sentences = verdict_sentences(off_by(diagnosis, 'validation', before, after))
+        return [one for one in sentences if 'the other record' in one]
+
+    meets = 'With it the model meets chamber pressure and valve position of the other record'
+    assert said(10.0, 1.2) == [f'{meets}.']
+    assert said(1.2, 1.0) == [f'{meets}, which needs nothing added.']
+    assert said(20.0, 4.0) == [
+        'With it the model misses the other record by 4.0 times the noise in chamber pressure and '
+        '4.0 times the noise in valve position.']
+    assert not any('other record' in one for one in verdict_sentences(friction_found()))
+
+
+def test_the_declared_model_is_enough_only_if_the_other_record_says_so_too():
+    enough = 'The declared model is enough'
+    clean = judged_on(timed_columns(seed=2), nothing_found())
+    assert verdict_title(nothing_found()) == verdict_title(clean) == enough
+    assert verdict_sentences(clean)[-1] == (
+        'The refitted model meets chamber pressure and valve position of the other record.')
+    sticks = judged_on(timed_columns(STICKING, seed=2), nothing_found())
+    sticks.validation['mass_flow'] = ChannelError('kg/s', *[float('nan')] * 3, 1e-6)
+    assert verdict_title(sticks) == 'Nothing to add'
+    last = verdict_sentences(sticks)[-1]
+    assert last.startswith('The refitted model misses the other record by ')
+    assert last.endswith('times the noise in valve position: something is missing there that this '
+                         'record does not show.')
+    assert 'mass flow' not in last
+    worse = off_by(sticks, 'held_out', 3.0, 3.0)
+    assert 'this record does not show' not in verdict_sentences(worse)[-1]
 
 
 def test_none_short_of_the_noise_does_not_claim_that_the_model_is_enough():

@@ -22,8 +22,7 @@ from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
-    AS_GOOD_AS_MEASURED, ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect,
-    UnknownTerm)
+    ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
@@ -38,13 +37,6 @@ Array = np.ndarray
 NEAR_LIMIT = 0.01
 """A declared parameter this near the end of its range, relative to its way there, is at it: a fit
 in the inside of the range comes near its ends and does not touch them."""
-
-WORSE = 1.05
-"""Held-out error after, relative to before, from which a note warns."""
-
-CONFIRMED = 0.9
-"""Where something is missing, held-out error after, relative to before, up to which what was added
-has a share in that."""
 
 
 def diagnose(
@@ -148,33 +140,14 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         suspects = [Suspect(unnamed[0].effects, unnamed[0].misfit, fate),
                     *(Suspect(one.effects, one.misfit, 'not told apart from the one above')
                       for one in unnamed[1:]), *suspects]
-    held_out = _errors(experiment, runs, locked)
     refitted = _refitted(before, after, search)
     return Diagnosis(
-        verdict, effects, table, _errors(experiment, runs, rows), held_out, tuple(suspects),
+        verdict, effects, table, _errors(experiment, runs, rows),
+        _errors(experiment, runs, locked), tuple(suspects),
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
-        (*notes, *(doubts(held_out, 'the locked part') if verdict != 'none' else ()),
-         *_cornered(refitted),
-         *known_together(effects, last),
+        (*notes, *_cornered(refitted), *known_together(effects, last),
          *chance(experiment, after.parameters, after.initial, 'this record')))
-
-
-def doubts(errors: dict[str, ChannelError], part: str) -> tuple[str, ...]:
-    """
-    Return a sentence for each channel in which a part not fitted speaks against the choice.
-
-    Or one where more than noise was missing there and none of it is gone.
-    """
-    rises = tuple(
-        f'on {part} the error of {name} rises from {error.before:.3g} to '
-        f'{error.after:.3g} {error.unit} with what was added: trust it less'
-        for name, error in errors.items() if error.after > WORSE * max(error.before, error.noise))
-    missing = [error for error in errors.values()
-               if error.before > AS_GOOD_AS_MEASURED * error.noise]
-    if rises or not missing or any(error.after < CONFIRMED * error.before for error in missing):
-        return rises
-    return (f'{part} lacks as much with what was added as without it: it does not confirm it',)
 
 
 def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:

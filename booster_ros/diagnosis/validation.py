@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.diagnose import doubts
 from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
@@ -39,9 +38,8 @@ def validated(
     for name, measured in experiment.measured.items():
         declared, before, after = (rmse(measured, run[name], everywhere) for run in runs)
         errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
-    added = doubts(errors, 'the other record') if diagnosis.verdict != 'none' else ()
     return replace(diagnosis, validation=errors, notes=(
-        *diagnosis.notes, *(f'the other record: {note}' for note in notes), *added,
+        *diagnosis.notes, *(f'the other record: {note}' for note in notes),
         *_beyond(diagnosis, experiment, starts[-1]), *_in_another_phase(diagnosis),
         *_opened_further(diagnosis, experiment),
         *chance(experiment, diagnosis.after, starts[-1], 'the other record')))

@@ -10,7 +10,7 @@ from string import Template
 
 import numpy as np
 
-from booster_ros.diagnosis.result import ChannelError, Diagnosis, FoundEffect
+from booster_ros.diagnosis.result import Diagnosis, FoundEffect
 from booster_ros.report import figures
 from booster_ros.report.engineering import number, scale_of, si_text
 from booster_ros.report.explanation import best_explanation, explained_share
@@ -21,8 +21,8 @@ from booster_ros.report.tables import (
     MOST_SUSPECTS, declared_table, effect_table, error_table, suspect_table)
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.wording import (
-    SCALING, capital, channel_label, effect_label, listing, place_label, unknown_experiment,
-    unknown_rivals, verdict_sentences, verdict_title)
+    SCALING, capital, channel_label, effect_label, listing, place_label, scored,
+    unknown_experiment, unknown_rivals, verdict_sentences, verdict_title)
 
 _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',
@@ -70,9 +70,9 @@ def _stages(diagnosis: Diagnosis) -> dict[str, str]:
 def _errors(view: View) -> str:
     diagnosis = view.diagnosis
     parts = {
-        'held out: no step has seen these data': _scored(diagnosis.held_out),
-        'validation record': _scored(diagnosis.validation),
-        'data used for the analysis': _scored(diagnosis.error),
+        'held out: no step has seen these data': scored(diagnosis.held_out),
+        'validation record': scored(diagnosis.validation),
+        'data used for the analysis': scored(diagnosis.error),
     }
     parts = {words: errors for words, errors in parts.items() if errors}
     short = {'held out: no step has seen these data': 'held out', 'validation record': 'validation',
@@ -86,10 +86,6 @@ def _errors(view: View) -> str:
         paragraph(' '.join(_STAGE_MEANINGS[stage] for stage in stages), 'hint'),
         figure(drawing, 'Errors of each model as multiples of the noise') if drawing else '',
         error_table(parts, stages))
-
-
-def _scored(errors: dict[str, ChannelError]) -> dict[str, ChannelError]:
-    return {name: error for name, error in errors.items() if math.isfinite(error.before)}
 
 
 def _curves(view: View) -> str:

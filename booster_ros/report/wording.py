@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A diagnosis in sentences."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 import math
 import re
 
@@ -16,6 +16,13 @@ SCALING = (
     'S_max) by one factor leaves every pressure and position unchanged: only their ratios are '
     'identified, not each of them.'
 )
+
+WORSE = 1.05
+"""Error after, relative to before, from which data not fitted speak against what was added."""
+
+CONFIRMED = 0.9
+"""Where something is missing, error after, relative to before, up to which what was added has a
+share in that."""
 
 _CHANNELS = {
     'control_current': 'control current',
@@ -32,6 +39,8 @@ _CHANNELS = {
     'booster_force_play': 'place of the booster force in a play',
     'time': 'time',
 }
+
+_UNSEEN = 'that no step of this analysis had seen'
 
 _PLACES = {
     'ep_converter': 'the E/P converter',
@@ -78,7 +87,9 @@ def listing(words: Sequence[str], last: str = 'and') -> str:
 def verdict_title(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
     if diagnosis.verdict == 'none':
-        return 'The declared model is enough' if _reaches_noise(diagnosis) else 'Nothing to add'
+        if _reaches_noise(judged(diagnosis)) and _reaches_noise(scored(diagnosis.validation)):
+            return 'The declared model is enough'
+        return 'Nothing to add'
     if diagnosis.verdict == 'unknown':
         place = place_label(_unknown_place(diagnosis))
         return f'The model lacks something in {place} that no named effect explains'
@@ -86,8 +97,12 @@ def verdict_title(diagnosis: Diagnosis) -> str:
 
 
 def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
-    """Return what follows the headline: meaning, gain, what it may be instead, false adds."""
-    sentences = _sentences(diagnosis)
+    """
+    Return what follows the headline.
+
+    Meaning, gain and what speaks against it, what it may be instead, the other record, false adds.
+    """
+    sentences = [*_sentences(diagnosis), *_on_the_other(diagnosis)]
     return [*sentences, _calibration(diagnosis.false_add)] if diagnosis.false_add else sentences
 
 
@@ -96,13 +111,13 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
         return _sentences_on_none(diagnosis)
     if diagnosis.verdict == 'unknown':
         sentences = [_sentence_on_unknown(diagnosis.unknown)] if diagnosis.unknown else []
-        return [*sentences, _gain(diagnosis), *_rest(diagnosis), *unknown_rivals(diagnosis)]
+        return [*sentences, *_gain(diagnosis), *_rest(diagnosis), *unknown_rivals(diagnosis)]
     sentences = []
     for effect in diagnosis.effects:
         meaning = EFFECTS[effect.name].meaning
         sentences.append(
             f'{capital(meaning)}. Its place is {place_label(effect.location)}.')
-    sentences += [_gain(diagnosis), *_rest(diagnosis)]
+    sentences += [*_gain(diagnosis), *_rest(diagnosis)]
     for effect in diagnosis.effects:
         if effect.confused_with:
             rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
@@ -117,7 +132,7 @@ def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
         f'{channel_label(name)} by {error_scale(e).text(e.before)} (noise '
         f'{error_scale(e).text(e.noise)})' for name, e in errors.items()])
     first = f'Refitted within its tolerances it misses {refitted}, {_where(diagnosis)}.'
-    if _reaches_noise(diagnosis):
+    if _reaches_noise(errors):
         return [first, 'No effect of the catalogue improves on that beyond chance.']
     return [
         first, 'That is more than noise, but no effect of the catalogue, and no smooth term, '
@@ -173,21 +188,72 @@ def unknown_experiment(unknown: UnknownTerm) -> str:
     return f'vary the {channel_label(unknown.variable)} alone, {there}'
 
 
-def _gain(diagnosis: Diagnosis) -> str:
-    parts = [
+def _gain(diagnosis: Diagnosis) -> list[str]:
+    errors = judged(diagnosis)
+    changes = listing([
         f'{channel_label(name)} from {error_scale(e).text(e.before)} to '
         f'{error_scale(e).text(e.after)} (noise {error_scale(e).text(e.noise)})'
-        for name, e in judged(diagnosis).items()]
-    falls = all(e.after < e.before for e in judged(diagnosis).values())
-    verb = 'falls' if falls else 'goes'
-    return f'With it the error {verb} in {listing(parts)}, {_where(diagnosis)}.'
+        for name, e in errors.items()])
+    falls = all(e.after < e.before for e in errors.values())
+    gain = f'With it the error {"falls" if falls else "goes"} in {changes}, {_where(diagnosis)}.'
+    if not scored(diagnosis.held_out):
+        return [gain]
+    if not _missing(errors):
+        gain = (f'Data {_UNSEEN} need nothing added, and so do not confirm it: there the error '
+                f'goes in {changes}.')
+    return [gain, *_doubts(errors)]
+
+
+def _missing(errors: Mapping[str, ChannelError]) -> list[ChannelError]:
+    """Return the errors beyond noise that the model has with nothing added."""
+    return [error for error in errors.values()
+            if error.before > AS_GOOD_AS_MEASURED * error.noise]
+
+
+def _doubts(errors: Mapping[str, ChannelError]) -> list[str]:
+    """Return a sentence where data that were not fitted speak against what was added, if any do."""
+    rising = [name for name, error in errors.items()
+              if error.after > WORSE * max(error.before, error.noise)]
+    if rising:
+        return [f'There the error rises with it in {_channels(rising)}: trust it less.']
+    missing = _missing(errors)
+    if missing and all(error.after >= CONFIRMED * error.before for error in missing):
+        return ['There as much is missing with it as without: that does not confirm it.']
+    return []
 
 
 def _rest(diagnosis: Diagnosis) -> list[str]:
     """Return a sentence on the channels in which more than noise is left, if there are any."""
-    left = [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
-            for name, e in judged(diagnosis).items() if e.after > AS_GOOD_AS_MEASURED * e.noise]
+    left = _left(judged(diagnosis))
     return [f'It leaves {listing(left)}: that is not explained.'] if left else []
+
+
+def _left(errors: Mapping[str, ChannelError]) -> list[str]:
+    """Return how much is left in each channel in which that is more than noise."""
+    return [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
+            for name, e in errors.items() if not _is_noise(e)]
+
+
+def _on_the_other(diagnosis: Diagnosis) -> list[str]:
+    """Return how the model does on the record that only judges, if there is one."""
+    errors = scored(diagnosis.validation)
+    if not errors:
+        return []
+    added = diagnosis.verdict != 'none'
+    model = 'With it the model' if added else 'The refitted model'
+    left = listing(_left(errors))
+    if left:
+        hidden = not added and _reaches_noise(judged(diagnosis))
+        what = ': something is missing there that this record does not show' if hidden else ''
+        said = f'{model} misses the other record by {left}{what}.'
+    else:
+        needless = ', which needs nothing added' if added and not _missing(errors) else ''
+        said = f'{model} meets {_channels(errors)} of the other record{needless}.'
+    return [said, *(_doubts(errors) if added else ())]
+
+
+def _channels(names: Iterable[str]) -> str:
+    return listing([channel_label(name) for name in names])
 
 
 def _calibration(found: FalseAdd) -> str:
@@ -204,21 +270,26 @@ def error_scale(error: ChannelError) -> Scale:
     return side_by_side(error.unit, (error.declared, error.before, error.after, error.noise))
 
 
+def scored(errors: Mapping[str, ChannelError]) -> dict[str, ChannelError]:
+    """Return the errors of the channels that could be compared."""
+    return {name: error for name, error in errors.items() if math.isfinite(error.after)}
+
+
 def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
     """Return the errors that judge the models: on held-out data where any of it could be scored."""
-    held_out = {
-        name: error for name, error in diagnosis.held_out.items() if math.isfinite(error.after)}
-    return held_out or diagnosis.error
+    return scored(diagnosis.held_out) or diagnosis.error
 
 
 def _where(diagnosis: Diagnosis) -> str:
-    is_held_out = any(math.isfinite(error.after) for error in diagnosis.held_out.values())
-    return 'on data that no step of this analysis had seen' if is_held_out else (
-        'on the data it was fitted to')
+    return f'on data {_UNSEEN}' if scored(diagnosis.held_out) else 'on the data it was fitted to'
 
 
-def _reaches_noise(diagnosis: Diagnosis) -> bool:
-    return all(e.after <= AS_GOOD_AS_MEASURED * e.noise for e in judged(diagnosis).values())
+def _is_noise(error: ChannelError) -> bool:
+    return error.after <= AS_GOOD_AS_MEASURED * error.noise
+
+
+def _reaches_noise(errors: Mapping[str, ChannelError]) -> bool:
+    return all(_is_noise(error) for error in errors.values())
 
 
 def _unknown_place(diagnosis: Diagnosis) -> str:
