@@ -172,6 +172,17 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said():
     share = np.mean((seen < narrow.knots[1]) | (seen > narrow.knots[-2]))
     assert notes[-1].startswith(f'{100.0 * share:.0f} % of the other record lies beyond the valve_')
 
+
+def test_what_drove_the_other_record_and_is_compared_in_it_is_said_where_it_is_not_the_same():
+    found = unknown_found()
+    columns = timed_columns(BENT, seed=2)
+    del columns['control_current']
+    said = validated(found, prepare(record_of(columns), DECLARED)).notes[len(found.notes):]
+    assert said == (
+        'the other record is driven by chamber_pressure and compared in valve_position, the first '
+        'is driven by control_current and compared in chamber_pressure and valve_position',)
+
+
 def test_what_goes_by_time_since_the_record_began_is_said_of_the_other_record():
     found = unknown_found()
     another = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)

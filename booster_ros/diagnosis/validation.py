@@ -40,9 +40,19 @@ def validated(
         errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
     return replace(diagnosis, validation=errors, notes=(
         *diagnosis.notes, *(f'the other record: {note}' for note in notes),
+        *_of_other_channels(diagnosis.experiment, experiment),
         *_beyond(diagnosis, experiment, starts[-1]), *_in_another_phase(diagnosis),
         *_opened_further(diagnosis, experiment),
         *chance(experiment, diagnosis.after, starts[-1], 'the other record')))
+
+
+def _of_other_channels(first: Experiment, other: Experiment) -> tuple[str, ...]:
+    """Return a sentence where the records are not driven by, or compared in, the same channels."""
+    if set(first.drives) == set(other.drives) and set(first.channels) == set(other.channels):
+        return ()
+    this, that = (f'driven by {" and ".join(one.drives) or "nothing"} and compared in '
+                  f'{" and ".join(one.channels)}' for one in (other, first))
+    return (f'the other record is {this}, the first is {that}',)
 
 
 def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tuple[str, ...]:
