@@ -39,6 +39,7 @@ from booster_ros.report.view import View
 from booster_ros.report.wording import error_scale, verdict_sentences, verdict_title
 
 FROM = Provenance('plant.csv', 'declared.yaml')
+JUDGED = Provenance('plant.csv', 'declared.yaml', 'other.csv')
 VOID = {'meta', 'link', 'br', 'img', 'input', 'hr'}
 
 
@@ -82,6 +83,7 @@ class Page(HTMLParser):
 
 MADE = {
     'effect': friction_found,
+    'judged': friction_judged,
     'none': nothing_found,
     'unknown': unknown_found,
     'sweep': friction_found_in_a_sweep,
@@ -124,10 +126,20 @@ def test_a_page_begins_with_the_verdict_and_shows_every_error(made):
     for sentence in verdict_sentences(diagnosis):
         assert sentence in page.text
     stages = ['declared', 'before'] + ['after'] * (diagnosis.verdict != 'none')
-    for errors in (diagnosis.error, diagnosis.held_out):
+    for errors in (diagnosis.error, diagnosis.held_out, diagnosis.validation):
         for error in errors.values():
             for stage in (*stages, 'noise'):
                 assert error_scale(error).text(getattr(error, stage)) in page.texts
+
+
+def test_a_page_shows_the_other_record_where_there_is_one():
+    page = Page(html_page(friction_judged(), JUDGED))
+    assert 'plant.csv explained by declared.yaml, judged on other.csv' in page.texts
+    assert page.texts.count('validation record') == 1  # in the table
+    assert page.texts.count('validation') == 2  # in the figure, once for each channel
+    alone = Page(html_page(friction_found(), FROM))
+    assert 'judged on' not in alone.text
+    assert 'validation' not in alone.text
 
 
 def test_a_page_says_what_was_dropped_how_it_was_split_and_what_scaling_hides(made):
@@ -350,7 +362,7 @@ def test_json_holds_what_others_rely_on(made):
     diagnosis, _ = made
     report = json.loads(json_text(diagnosis, FROM))
     assert report['verdict'] == diagnosis.verdict
-    for part in ('error', 'held_out'):
+    for part in ('error', 'held_out', 'validation'):
         for name, error in getattr(diagnosis, part).items():
             assert report[part][name] == {
                 'unit': error.unit, 'declared': error.declared, 'before': error.before,
