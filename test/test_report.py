@@ -17,6 +17,7 @@ from made_diagnosis import (
     friction_judged,
     judged_on,
     nothing_found,
+    swept_columns,
     timed_columns,
     unknown_found,
 )
@@ -244,6 +245,40 @@ def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
     assert json.loads(json_text(unknown_found(), FROM))['unknown']['reach'] is None
 
 
+def page_of(columns):
+    """Return the text of the page on a record of these columns."""
+    return Page(html_page(diagnosis_of(columns, 'none'), FROM)).text
+
+
+def test_a_page_says_of_a_drive_whether_it_was_measured():
+    columns = timed_columns()
+    assert 'Driven by the control current; compared' in page_of(columns)
+    supply = np.full(len(columns['time']), 400e3)
+    assert 'Driven by the control current and the measured supply pressure; compared' in page_of(
+        columns | {'supply_pressure': supply})
+    assert 'Driven by the measured chamber pressure; compared' in page_of(swept_columns())
+    isolated = replace(nothing_found().experiment, current=np.zeros(len(supply)))
+    assert 'Driven by nothing: the chamber is shut off, as declared; compared' in Page(
+        html_page(replace(nothing_found(), experiment=isolated), FROM)).text
+
+
+def test_a_page_says_where_the_noise_is_from():
+    columns = timed_columns()
+    assert 'Noise, from the record alone: ' in page_of(columns)
+    late = columns | {'time': columns['time'] + 0.01 * np.random.default_rng(4).random(
+        len(columns['time']))}
+    assert ('Noise, from the record, and from what commands late by part of a row would do to the '
+            'declared model: ') in page_of(late)
+    del columns['control_current']
+    assert ('Noise, from the record, and from what noise of the measured drives would do to the '
+            'declared model: ') in page_of(columns)
+
+
+def test_two_parallel_lines_may_be_lost_motion_as_well():
+    assert ('Two parallel lines are friction of the stem, or lost motion of the position sensor.'
+            in page_of(timed_columns()))
+
+
 def test_a_page_is_the_same_when_made_again():
     diagnosis = friction_found()
     assert html_page(diagnosis, FROM) == html_page(diagnosis, FROM)
@@ -329,7 +364,7 @@ def test_how_the_choice_does_on_the_other_record_is_said_under_the_headline():
 
 
 def test_the_declared_model_is_enough_only_if_the_other_record_says_so_too():
-    enough = 'The declared model is enough'
+    enough = 'The declared model, refitted, is enough for this record'
     clean = judged_on(timed_columns(seed=2), nothing_found())
     assert verdict_title(nothing_found()) == verdict_title(clean) == enough
     assert verdict_sentences(clean)[-1] == (

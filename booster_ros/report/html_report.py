@@ -10,6 +10,8 @@ from string import Template
 
 import numpy as np
 
+from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.late_commands import commands_may_be_late
 from booster_ros.diagnosis.result import Diagnosis, FoundEffect
 from booster_ros.report import figures
 from booster_ros.report.engineering import number, scale_of, si_text
@@ -161,8 +163,9 @@ def _signature(view: View) -> str:
         return ''
     return section(
         'Valve signature',
-        paragraph('Position over chamber pressure. Two parallel lines are friction, their distance '
-                  'in pressure times the diaphragm area twice its force.', 'hint'),
+        paragraph('Position over chamber pressure. Two parallel lines are friction of the stem, or '
+                  'lost motion of the position sensor. Of friction their distance in pressure '
+                  'times the diaphragm area is twice the force.', 'hint'),
         figure(svg(figures.valve_signature(view), 'signature'),
                'Position over pressure, measured and by both models'))
 
@@ -258,7 +261,8 @@ def _declared(view: View) -> str:
 
 def _record(view: View, provenance: Provenance) -> str:
     experiment, diagnosis = view.diagnosis.experiment, view.diagnosis
-    drives = listing([channel_label(name) for name in experiment.drives]) or 'nothing'
+    drives = listing([_drive(name) for name in experiment.drives]) or (
+        'nothing: the chamber is shut off, as declared')
     compared = listing([channel_label(name) for name in experiment.channels])
     noise = listing([f'{scale_of(diagnosis.error[name].unit).text(level, 2)} in '
                      f'{channel_label(name)}' for name, level in experiment.noise.items()])
@@ -268,13 +272,27 @@ def _record(view: View, provenance: Provenance) -> str:
         f'{rows} rows over {number(span)} s, one every {_period_text(experiment.time)}')
     facts = [
         f'{provenance.record}: {length}.',
-        f'Driven by the measured {drives}; compared: {compared}.',
-        f'Noise, from the record alone: {noise}.',
+        f'Driven by {drives}; compared: {compared}.',
+        f'Noise, {_source_of_noise(experiment)}: {noise}.',
         _split(view),
     ]
     notes = diagnosis.notes or ('Nothing was dropped or mended.',)
     return section('The record', bullets(facts),
                    '<h3>What was dropped, mended or assumed</h3>', bullets(notes))
+
+
+def _drive(name: str) -> str:
+    """Return the words for a drive: a command is what was asked for, the others were measured."""
+    return f'the {"" if name == "control_current" else "measured "}{channel_label(name)}'
+
+
+def _source_of_noise(experiment: Experiment) -> str:
+    causes = [words for words, present in (
+        ('noise of the measured drives', experiment.drive_noise),
+        ('commands late by part of a row', commands_may_be_late(experiment))) if present]
+    if not causes:
+        return 'from the record alone'
+    return f'from the record, and from what {listing(causes)} would do to the declared model'
 
 
 def _period_text(time: np.ndarray) -> str:

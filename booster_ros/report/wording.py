@@ -88,7 +88,7 @@ def verdict_title(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
     if diagnosis.verdict == 'none':
         if _reaches_noise(judged(diagnosis)) and _reaches_noise(scored(diagnosis.validation)):
-            return 'The declared model is enough'
+            return 'The declared model, refitted, is enough for this record'
         return 'Nothing to add'
     if diagnosis.verdict == 'unknown':
         place = place_label(_unknown_place(diagnosis))
