@@ -358,8 +358,8 @@ def test_how_the_choice_does_on_the_other_record_is_said_under_the_headline():
     assert said(10.0, 1.2) == [f'{meets}.']
     assert said(1.2, 1.0) == [f'{meets}, which needs nothing added.']
     assert said(20.0, 4.0) == [
-        'With it the model misses the other record by 4.0 times the noise in chamber pressure and '
-        '4.0 times the noise in valve position.']
+        'With it the model misses the other record by 4.0 times the noise in chamber pressure (20 '
+        'without it) and 4.0 times the noise in valve position (20 without it).']
     assert not any('other record' in one for one in verdict_sentences(friction_found()))
 
 

@@ -228,9 +228,10 @@ def _rest(diagnosis: Diagnosis) -> list[str]:
     return [f'It leaves {listing(left)}: that is not explained.'] if left else []
 
 
-def _left(errors: Mapping[str, ChannelError]) -> list[str]:
+def _left(errors: Mapping[str, ChannelError], compared: bool = False) -> list[str]:
     """Return how much is left in each channel in which that is more than noise."""
     return [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
+            + (f' ({number(e.before / e.noise, 2)} without it)' if compared else '')
             for name, e in errors.items() if not _is_noise(e)]
 
 
@@ -241,7 +242,7 @@ def _on_the_other(diagnosis: Diagnosis) -> list[str]:
         return []
     added = diagnosis.verdict != 'none'
     model = 'With it the model' if added else 'The refitted model'
-    left = listing(_left(errors))
+    left = listing(_left(errors, compared=added))
     if left:
         hidden = not added and _reaches_noise(judged(diagnosis))
         what = ': something is missing there that this record does not show' if hidden else ''
