@@ -2,15 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Effects are tried where they can show, and left alone where a drive has cut them off."""
 
+from dataclasses import replace
+
 from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit, matters
+from booster_ros.diagnosis.diagnose import less_the_locked_part
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.screening import with_effect
+from booster_ros.diagnosis.segments import rows_of, split
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.gas import ISENTROPIC
 
@@ -167,3 +171,16 @@ def test_a_sweep_without_a_clock_says_nothing_of_what_acts_by_speeds(columns, fr
     problem = Problem(experiment, np.ones(len(experiment.time), dtype=bool), DECLARED, ())
     rubs = with_effect(problem, EFFECTS['stem_friction'])
     assert {one.knob.parameter for one in rubs.freedoms} == {f'actuator.{name}' for name in free}
+
+
+@pytest.mark.parametrize(('role', 'tried'), [('test', False), ('select', True)])
+def test_what_the_locked_part_alone_shows_decides_nothing(role, tried):
+    """A pressure that comes near the bench set there only would have its stem looked into."""
+    columns = only('time', 'control_current', 'chamber_pressure')
+    experiment = prepare(record_of(columns), DECLARED)
+    segments = split(experiment.time, experiment.current)
+    pressure = np.full(ROWS, 50e3)
+    pressure[rows_of(segments, (role,), ROWS)] = 250e3
+    seen = less_the_locked_part(
+        replace(experiment, measured={'chamber_pressure': pressure}), segments)
+    assert ('stem_friction' in applicable(seen, DECLARED)) == tried

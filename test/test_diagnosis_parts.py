@@ -16,7 +16,7 @@ from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_a
 from booster_ros.diagnosis.fit import START, Problem
 from booster_ros.diagnosis.freedom import declared_freedom, put
 from booster_ros.diagnosis.intervals import interval_of
-from booster_ros.diagnosis.last_fit import last_fit, verdict_of
+from booster_ros.diagnosis.last_fit import _without, last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.rematch import _by_slips, _plainest_above, rematch
@@ -29,7 +29,7 @@ from booster_ros.diagnosis.teaching import taught
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.model.discrepancy import KNOTS, STEM, TIME as OVER_TIME, Discrepancy
+from booster_ros.model.discrepancy import CHAMBER, KNOTS, STEM, TIME as OVER_TIME, Discrepancy
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure
 
@@ -394,6 +394,28 @@ def test_an_effect_that_all_but_the_locked_part_does_not_show_is_left_out(bend, 
         assert after.chosen is chosen
         assert why == 'chosen'
         assert last.fit.parameters.actuator.spring_bend == pytest.approx(bend, rel=0.2)
+
+
+@pytest.mark.parametrize(('left', 'remains'), [(0.99, ()), (0.5, ('ep_drift',))])
+def test_what_remains_of_two_effects_has_to_be_called_for(left, remains):
+    """However well it does on segments that it has learnt."""
+    refit = searching(seen(P), ()).refit()
+    refit = replace(refit, by_segment=np.full(6, 100.0), prior=0.0, samples=100)
+    one = replace(refit, effects=('ep_drift',), by_segment=left * refit.by_segment)
+    learnt = replace(one, by_segment=0.2 * refit.by_segment, learnt=True)
+    both = replace(learnt, effects=('ep_drift', 'dead_time'))
+    tried = Tried(refit, both, (refit, one, learnt, both), {})
+    after = _without(tried, 'dead_time', 'its size is not told from none')
+    assert after.chosen.effects == remains
+    assert not after.chosen.learnt
+
+
+def test_a_declared_term_that_gave_way_to_another_is_named():
+    declared = P._replace(discrepancy=Discrepancy(STEM, values=(9.0,) * KNOTS))
+    another = P._replace(discrepancy=Discrepancy(CHAMBER, values=(1e-6,) * KNOTS))
+    assert diagnose._replaced(P, another) == diagnose._replaced(declared, declared) == ()
+    (note,) = diagnose._replaced(declared, another)
+    assert 'stem over time' in note
 
 
 def test_what_was_dropped_from_the_other_record_is_said():

@@ -214,7 +214,8 @@ def test_close_rivals_meet_again_on_every_row(costs, winner):
         return replace(one, fit=replace(one.fit, cost=whole[one.effects[0]]))
 
     search = SimpleNamespace(
-        to_the_end=to_the_end, names=(), thinning=1, on=lambda problem, *_: problem)
+        to_the_end=to_the_end, names=(), thinning=1, on=lambda problem, *_: problem,
+        faults=lambda one: {})
     ranked = rematch(search, chosen, [chosen, rival, far, broken])
     assert asked == ['chamber_leak', 'exhaust_seat_leak']
     assert ranked[0].effects == (winner,)

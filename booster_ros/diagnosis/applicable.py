@@ -40,7 +40,8 @@ def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
     if pressure is None or 'valve_position' in experiment.measured:
         return False
     low, high = declared.actuator.bench_set
-    return float(np.max(pressure[np.isfinite(pressure)], initial=-np.inf)) < low - NEAR_BENCH_SET * (high - low)
+    highest = float(np.max(pressure[np.isfinite(pressure)], initial=-np.inf))
+    return highest < low - NEAR_BENCH_SET * (high - low)
 
 
 def _shows(effect: Effect, experiment: Experiment) -> bool:

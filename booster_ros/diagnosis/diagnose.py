@@ -26,8 +26,9 @@ from booster_ros.diagnosis.result import (
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
-from booster_ros.diagnosis.unknown import UNNAMED, place_of
+from booster_ros.diagnosis.unknown import UNNAMED, label_of, place_of
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.discrepancy import NONE
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -56,7 +57,7 @@ def diagnose(
         experiment.time, drive)
     _check_parts(experiment, segments)
     search = Search(experiment, segments, declared, free_to_refit(declared, experiment),
-                    applicable(_less_the_locked_part(experiment, segments), declared))
+                    applicable(less_the_locked_part(experiment, segments), declared))
     tell('refitting the declared parameters', 0.02)
     refit = search.refit()
     search = where_born(search, refit)
@@ -76,7 +77,7 @@ def _check_parts(experiment: Experiment, segments: list[Segment]) -> None:
                 f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
 
 
-def _less_the_locked_part(experiment: Experiment, segments: list[Segment]) -> Experiment:
+def less_the_locked_part(experiment: Experiment, segments: list[Segment]) -> Experiment:
     """Return the experiment without the values that nothing may be chosen by."""
     rows = rows_of(segments, USED, len(experiment.time))
     return replace(experiment, measured={
@@ -147,6 +148,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
         (*notes, *_cornered(refitted), *known_together(effects, last),
+         *_replaced(search.declared, after.parameters),
          *chance(experiment, after.parameters, after.initial, 'this record')))
 
 
@@ -165,6 +167,15 @@ def known_together(effects: tuple[FoundEffect, ...], last: LastFit) -> tuple[str
         'record shows one trace of them, and each may be far larger or smaller than it says'
         for effect in effects if effect.name in EFFECTS
         for size in traded(last.problem, last.fit, effect.name))
+
+
+def _replaced(declared: PositionerParameters, found: PositionerParameters) -> tuple[str, ...]:
+    """Return a sentence where a term without a name took the place of one that was declared."""
+    had, has = declared.discrepancy, found.discrepancy
+    if had.location == NONE or has == had:
+        return ()
+    return (f'the declared term without a name ({label_of(had.location, had.variable)}) is no '
+            'longer in the model: a model holds one, and the one that was found took its place',)
 
 
 def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array
@@ -188,7 +199,7 @@ def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
         for index, free in enumerate(last.problem.freedoms):
             parameter = free.knob.parameter
             if parameter in own:
-                tried_ends = last.trials and last.trials.ends(index)
+                tried_ends = last.trials.ends(index) if last.trials else None
                 value, low, high = interval_of(
                     last.problem, last.draws, last.fit, index, tried_ends)
                 parameters[parameter] = Interval(value, low, high, DESCRIPTIONS[parameter].unit)

@@ -26,22 +26,25 @@ from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.parameters import ParameterError, check_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
+from booster_ros.model.stream import DEFAULT_TOLERANCE
 from booster_ros.model.system import Departure, PositionerParameters
 
 Array = np.ndarray
 
 DIFFERENCE = 2e-3
-VISIBLE, VISIBLE_THROUGH_SLIPS = 10.0, 100.0
+VISIBLE, VISIBLE_THINNED, VISIBLE_THROUGH_SLIPS = 1.0, 10.0, 100.0
 """
 Steps of the Jacobian's differences in z: the first, and how far (norm of the scaled residuals'
-change) later ones go. Larger ones bend, smaller ones drown in the solver's own error; where the
-stem sticks, in a cost that is rough with when each slip comes: the second figure sees through that.
+change) later ones go. Larger ones bend: where gain, offset and supply nearly do the same, what is
+left of their columns is wrong then, and a fit ends far from the end of their valley. Smaller ones
+drown in the solver's own error, which is larger on thinned rows; where the stem sticks, in a cost
+that is rough with when each slip comes: the third figure sees through that.
 """
 
 UNSEEN = 1.0
 """A size is not seen if the cost rises by no more without it."""
 
-SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-4, 0.1
+SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-5, 0.1
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Spread of the start around the experiment's: pressure in 100 Pa, back pressure in 500 Pa, places
@@ -222,7 +225,9 @@ class Problem:
 
     def _visible(self, z: Array) -> float:
         rough = has_dry_friction(self.parameters(z).actuator) and not self.fine
-        return VISIBLE_THROUGH_SLIPS if rough else VISIBLE
+        if rough:
+            return VISIBLE_THROUGH_SLIPS
+        return VISIBLE_THINNED if self.experiment.tolerance > DEFAULT_TOLERANCE else VISIBLE
 
     def _silent(self, z: Array) -> list[int]:
         """Return the variables of the start that cannot matter: a place in no play, say."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, explains
+from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, clearly_better, explains
 from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
@@ -145,11 +145,18 @@ def _without(tried: Tried, name: str, fault: str) -> Tried:
     Return the models tried with the best of those chosen that has the other effects at most.
 
     And those that the one left out builds on: friction that does not differ along the travel is
-    friction all the same.
+    friction all the same. More of them are taken only where the segments held back call for that,
+    as in the search.
     """
     rest = (set(tried.chosen.effects) | within(name)) - {name}
-    chosen = min((c for c in tried.all if set(c.effects) <= rest and not c.fault),
-                 key=lambda c: c.score)
+    held_back: dict[frozenset[str], Candidate] = {}
+    for one in sorted(tried.all, key=lambda c: (c.learnt, c.score)):
+        if set(one.effects) <= rest and not one.fault:
+            held_back.setdefault(frozenset(one.effects), one)
+    chosen = tried.refit
+    for one in sorted(held_back.values(), key=lambda c: (len(c.effects), c.score)):
+        if clearly_better(one, chosen):
+            chosen = one
     reasons = {**tried.reasons, frozenset(tried.chosen.effects):
                f'fitted to all but the locked part: {name}: {fault}'}
     if chosen.effects:

@@ -41,7 +41,7 @@ from booster_ros.diagnosis.candidate import (
 from booster_ros.diagnosis.cascade import seen_from_above, shows_above_the_stem
 from booster_ros.diagnosis.next_effect import FINALISTS, PROMISING, extend
 from booster_ros.diagnosis.rematch import rematch
-from booster_ros.diagnosis.search import FAR_BEHIND, Search
+from booster_ros.diagnosis.search import EVALUATIONS, FAR_BEHIND, Search, carried
 from booster_ros.diagnosis.teaching import (
     PLAUSIBLE, fitted_to_noise, taught, taught_what_it_missed)
 from booster_ros.model.actuator import has_dry_friction
@@ -235,14 +235,20 @@ def _shown_on_every_row(search: Search, found: Candidate, ranked: list[Candidate
     Return the first effects of all that show beyond doubt, however little they matter, best first.
 
     Where noise could be all that the declared model leaves, those that may lower its cost by more
-    than noise lets them are fitted to every row, and so is it.
+    than noise lets them are fitted to every row, and so is it: also from where they end, for a
+    place that it had not found is no effect.
     """
     hopeful = [one for one in ranked if not one.fault and one.fit.cost < found.fit.cost - PERHAPS]
     if found.effects or found.misfit > NEAR_NOISE or not hopeful:
         return []
     before = search.on_every_row(found)
-    shown = preferred_first([one for one in map(search.on_every_row, hopeful)
-                             if shows_faintly(one, before)])
+    shown = [one for one in map(search.on_every_row, hopeful) if shows_faintly(one, before)]
+    for one in shown:
+        start = carried(before.problem, before.fit, one.fit)
+        again = before.problem.fit(start, evaluations=EVALUATIONS)
+        if again.cost < before.fit.cost:
+            before = search.refitted(before, again)
+    shown = preferred_first([one for one in shown if shows_faintly(one, before)])
     everything += shown
     return shown
 

@@ -103,7 +103,12 @@ class Term:
     @property
     def label(self) -> str:
         """Return 'component over variable'."""
-        return f'{term.LOCATIONS[self.location]} over {term.VARIABLES[self.variable]}'
+        return label_of(self.location, self.variable)
+
+
+def label_of(location: int, variable: int) -> str:
+    """Return 'component over variable' of a term, by its numbers in a table."""
+    return f'{term.LOCATIONS[location]} over {term.VARIABLES[variable]}'
 
 
 def place_of(location: int) -> str:
