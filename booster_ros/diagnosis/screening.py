@@ -36,6 +36,7 @@ from booster_ros.model.catalogue import EFFECTS, Effect
 Array = np.ndarray
 
 SIZES = (0.25, 1.0, 3.0)
+TYPICAL, SMALL = (1.0,), (0.25,)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
 
 CHORD_STEPS = 4
@@ -96,16 +97,17 @@ def _no_size(free: tuple[Free, ...]) -> Array:
     return np.array([f.without_size for f in free])
 
 
-def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, few: bool) -> list[Array]:
+def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[float, ...]
+                  ) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
         return _oscillations(free, frequencies)
     neutral = _no_size(free)
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
-    steps = [size * sign for size in ((1.0,) if few else SIZES) for sign in (1.0, -1.0)]
+    steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
-    if len(sizes) == 2 and not few:
-        moves += [dict(zip(sizes, pair)) for pair in itertools.product(SIZES, repeat=2)]
+    if len(sizes) == 2 and len(multiples) > 1:
+        moves += [dict(zip(sizes, pair)) for pair in itertools.product(multiples, repeat=2)]
     rubs = [j for j in sizes if free[j].knob.parameter == 'actuator.coulomb_friction']
     # break-away or bent-stem friction of a packing that hardly rubs is nothing that exists, and
     # slow to simulate
@@ -230,7 +232,7 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
     for reference in around:
         best, lowest = None, float('inf')
         trials = [_tried(problem, joint, reference, e)
-                  for e in _sizes_to_try(free, frequencies, few)]
+                  for e in _sizes_to_try(free, frequencies, TYPICAL if few else SIZES)]
         further = sorted(trials, key=lambda trial: trial.promised)[:LENGTHS]
         for trial in (*trials, *(_lengthened(problem, joint, reference, t) for t in further)):
             if trial.cost < lowest:
@@ -248,6 +250,33 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
                     costs.append(cost)
     order = np.argsort(costs)
     return Screened(name, joint, tuple(starts[k] for k in order), tuple(costs[k] for k in order))
+
+
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """What an effect promises by linear reckoning: the cost, and where to fit from."""
+
+    effect: str
+    problem: Problem
+    start: Array
+    cost: float
+
+
+def promise(problem: Problem, reference: Reference, name: str, frequencies: Array
+            ) -> Promise | None:
+    """
+    Return what an effect promises on top of a fit, by a simulation of each of its sizes alone.
+
+    For small effects: from a small size to the one that promises most its trace runs straight. None
+    where it has no size to try.
+    """
+    joint = with_effect(problem, EFFECTS[name])
+    trials = [_tried(problem, joint, reference, e) for e in _sizes_to_try(
+        joint.freedoms[len(problem.freedoms):], frequencies, SMALL)]
+    if not trials:
+        return None
+    best = min(trials, key=lambda trial: trial.promised)
+    return Promise(name, joint, _with_sizes(problem, reference.z, best.length), best.promised)
 
 
 def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array

@@ -37,11 +37,12 @@ import numpy as np
 
 from booster_ros.diagnosis.birthplace import called_for_above
 from booster_ros.diagnosis.candidate import (
-    NEAR_NOISE, Candidate, clearly_better, preferred_first, shows_faintly, why_dropped)
+    NEAR_NOISE, Candidate, clearly_better, preferred_first, why_dropped)
 from booster_ros.diagnosis.cascade import seen_from_above, shows_above_the_stem
+from booster_ros.diagnosis.faint import PERHAPS, shown_on_every_row
 from booster_ros.diagnosis.next_effect import FINALISTS, PROMISING, extend
 from booster_ros.diagnosis.rematch import rematch
-from booster_ros.diagnosis.search import EVALUATIONS, FAR_BEHIND, Search, carried
+from booster_ros.diagnosis.search import FAR_BEHIND, Search
 from booster_ros.diagnosis.teaching import (
     PLAUSIBLE, fitted_to_noise, taught, taught_what_it_missed)
 from booster_ros.model.actuator import has_dry_friction
@@ -67,9 +68,6 @@ SURE = 40.0
 Where noise could be all, an effect must lower the cost of the fit by this as well. The best of the
 catalogue lowers that of a clean record by 5 to 10.
 """
-
-PERHAPS = 15.0
-"""By so much where nothing has been added yet, to be fitted to every row: these decide there."""
 
 STUCK = 2.0
 """Without an effect that is not told from none a model scores as with it: one whose score is so
@@ -156,8 +154,8 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
         adding = _adding(ranked, chosen, refit)
         if not adding:
             ranked = _all_taught(search, ranked, everything)
-            adding = _adding(ranked, chosen, refit) or _shown_on_every_row(
-                search, chosen, ranked, everything)
+            adding = _adding(ranked, chosen, refit) or shown_on_every_row(search, chosen, ranked)
+            everything += [one for one in adding if one not in everything]
         if adding:
             chosen = adding[0]
         elif not ranked or level + 1 - len(chosen.effects) > _patience(chosen):
@@ -221,36 +219,14 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
     shown = [one for one in ranked
              if not one.fault and clearly_better(one, found)
              and one.fit.cost < found.fit.cost - SURE]
-    shown = shown or _shown_on_every_row(search, found, ranked, everything)
+    if not shown:
+        shown = shown_on_every_row(search, found, ranked)
+        everything += shown
     if shown:
         return shown[0]
     if noise is not found:
         everything.append(noise)
     return noise
-
-
-def _shown_on_every_row(search: Search, found: Candidate, ranked: list[Candidate],
-                        everything: list[Candidate]) -> list[Candidate]:
-    """
-    Return the first effects of all that show beyond doubt, however little they matter, best first.
-
-    Where noise could be all that the declared model leaves, those that may lower its cost by more
-    than noise lets them are fitted to every row, and so is it: also from where they end, for a
-    place that it had not found is no effect.
-    """
-    hopeful = [one for one in ranked if not one.fault and one.fit.cost < found.fit.cost - PERHAPS]
-    if found.effects or found.misfit > NEAR_NOISE or not hopeful:
-        return []
-    before = search.on_every_row(found)
-    shown = [one for one in map(search.on_every_row, hopeful) if shows_faintly(one, before)]
-    for one in shown:
-        start = carried(before.problem, before.fit, one.fit)
-        again = before.problem.fit(start, evaluations=EVALUATIONS)
-        if again.cost < before.fit.cost:
-            before = search.refitted(before, again)
-    shown = preferred_first([one for one in shown if shows_faintly(one, before)])
-    everything += shown
-    return shown
 
 
 def _most(chosen: Candidate) -> int:
