@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Diagnoses made by hand from short simulations, for tests of what is made of a diagnosis."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from booster_ros.diagnosis.experiment import UNITS, rmse
@@ -12,6 +14,7 @@ from booster_ros.diagnosis.result import (
     FoundEffect,
     Interval,
     Refitted,
+    Refused,
     Suspect,
     UnknownTerm,
 )
@@ -129,6 +132,15 @@ def unknown_found():
     """Return a diagnosis that has found a bent spring without a name for it."""
     effect = FoundEffect('unknown', 'stem', {}, (), '', {'misfit_with': 1.1})
     return diagnosis_of(timed_columns(BENT), 'unknown', BENT, (effect,), TERM)
+
+
+def refused_found():
+    """Return a diagnosis of which the term without a name did not stand."""
+    found = diagnosis_of(timed_columns(BENT), 'unknown', DECLARED, (
+        FoundEffect('unknown', 'stem', {}, (), '', {'misfit_with': 1.1}),))
+    return replace(found, refused=Refused(
+        'stem', 'valve_position',
+        {name: 2.0 * error.before for name, error in found.held_out.items()}))
 
 
 def friction_found_in_a_sweep():

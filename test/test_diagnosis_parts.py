@@ -23,13 +23,14 @@ from booster_ros.diagnosis.rematch import _by_slips, _plainest_above, rematch
 from booster_ros.diagnosis.result import UnknownTerm
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
-from booster_ros.diagnosis.segments import USED
+from booster_ros.diagnosis.segments import USED, rows_of, split
 from booster_ros.diagnosis.selection import Tried, _backward, compared, named
 from booster_ros.diagnosis.teaching import taught
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.model.discrepancy import CHAMBER, KNOTS, STEM, TIME as OVER_TIME, Discrepancy
+from booster_ros.model.discrepancy import (
+    CHAMBER, KNOTS, STEM, TIME as OVER_TIME, VALVE_POSITION, Discrepancy)
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure
 
@@ -416,6 +417,35 @@ def test_a_declared_term_that_gave_way_to_another_is_named():
     assert diagnose._replaced(P, another) == diagnose._replaced(declared, declared) == ()
     (note,) = diagnose._replaced(declared, another)
     assert 'stem over time' in note
+
+
+@pytest.mark.parametrize('stays', [True, False])
+def test_a_term_that_the_locked_part_speaks_against_is_not_in_the_model(stays):
+    """It was there as long as was looked, and the other way round when that part came."""
+    wave = 300.0 * np.sin(np.linspace(0.0, 6.0, KNOTS))
+    always, turned = (seen(P._replace(discrepancy=Discrepancy(
+        STEM, VALVE_POSITION, 0.0, 0.016, tuple(sign * wave))), None, 1.7e5, RAMPS, 4, RAMPS_TIME)
+        for sign in (1.0, -1.0))
+    locked = rows_of(split(RAMPS_TIME, RAMPS), ('test',), len(RAMPS_TIME))
+    experiment = always if stays else replace(always, measured={
+        name: np.where(locked, turned.measured[name], values)
+        for name, values in always.measured.items()})
+    search = searching(experiment, ())
+    refit = search.refit()
+    tried = Tried(refit, refit, (refit,), {frozenset(): 'refitted'})
+    found = diagnose._conclude(search, tried, best_terms(search, tried)[:1], ())
+    assert found.verdict == 'unknown'
+    assert [effect.location for effect in found.effects] == ['stem']
+    assert found.added == stays == (found.refused is None)
+    if stays:
+        assert found.after.discrepancy.location == STEM
+        return
+    assert found.after == found.before
+    assert found.unknown is None
+    assert found.suspects[0].reason.startswith('does not stand')
+    for name, error in found.held_out.items():
+        assert error.after == error.before
+        assert found.refused.error[name] > error.before
 
 
 def test_what_was_dropped_from_the_other_record_is_said():

@@ -17,6 +17,7 @@ from made_diagnosis import (
     friction_judged,
     judged_on,
     nothing_found,
+    refused_found,
     swept_columns,
     timed_columns,
     unknown_found,
@@ -379,6 +380,20 @@ def test_the_declared_model_is_enough_only_if_the_other_record_says_so_too():
     assert 'mass flow' not in last
     worse = off_by(sticks, 'held_out', 3.0, 3.0)
     assert 'this record does not show' not in verdict_sentences(worse)[-1]
+
+
+def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):
+    diagnosis = refused_found()
+    assert verdict_title(diagnosis) == 'The model lacks something that no named effect explains'
+    said = ' '.join(verdict_sentences(diagnosis))
+    assert 'A smooth term in the stem over the valve position' in said
+    assert 'It is not in the model' in said
+    assert 'with the unnamed term' not in html_page(diagnosis, FROM)
+    values = json.loads(json_text(diagnosis, FROM))
+    assert values['unknown'] is None
+    assert values['refused']['location'] == 'stem'
+    write_parameter_files(tmp_path, diagnosis, FROM, {})
+    assert 'ADDED' not in (tmp_path / 'positioner.yaml').read_text()
 
 
 def test_none_short_of_the_noise_does_not_claim_that_the_model_is_enough():

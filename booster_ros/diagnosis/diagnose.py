@@ -7,6 +7,7 @@ The named effects are selected (selection), terms without a name compete with th
 locked test part is opened once, and everything is put into words and numbers.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +23,7 @@ from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Suspect, UnknownTerm)
+    ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
@@ -38,6 +39,9 @@ Array = np.ndarray
 NEAR_LIMIT = 0.01
 """A declared parameter this near the end of its range, relative to its way there, is at it: a fit
 in the inside of the range comes near its ends and does not touch them."""
+
+STANDS = 1.1
+"""Squared error of the locked part, relative to that without, up to which a term stands."""
 
 
 def diagnose(
@@ -113,6 +117,16 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
     rows, locked = rows_of(search.segments, USED, size), rows_of(search.segments, ('test',), size)
     refit = last_fit(search, tried.refit)
     verdict, tried, last = verdict_of(search, tried, unnamed, refit)
+    runs = {
+        'declared': experiment.predict(search.declared),
+        'before': experiment.predict(refit.fit.parameters, refit.fit.initial),
+        'after': experiment.predict(last.fit.parameters, last.fit.initial),
+    }
+    refused = None
+    if verdict == 'unknown' and not stands(_errors(experiment, runs, locked)):
+        refused = _refused(last.fit, _errors(experiment, runs, locked))
+        verdict, tried, last = verdict_of(search, tried, [], refit)
+        runs['after'] = experiment.predict(last.fit.parameters, last.fit.initial)
     before, after = refit.fit, last.fit
     effects: tuple[FoundEffect, ...] = ()
     table = None
@@ -120,21 +134,18 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         effects = _found(tried, last)
     elif verdict == 'unknown':
         effects, table = _found_unknown(unnamed, after)
-    runs = {
-        'declared': experiment.predict(search.declared),
-        'before': experiment.predict(before.parameters, before.initial),
-        'after': experiment.predict(after.parameters, after.initial),
-    }
+    elif refused is not None:  # what it was made for is there all the same
+        verdict = 'unknown'
+        effects = (FoundEffect('unknown', refused.location, {}, (), '',
+                               {'misfit_with': unnamed[0].misfit}),)
     best_of: dict[frozenset[str], Candidate] = {}
     for one in sorted(tried.all, key=lambda c: c.score):
         best_of.setdefault(frozenset(one.effects), one)
     suspects = [Suspect(c.effects, c.misfit, tried.reasons[effects])
                 for effects, c in best_of.items()]
     if unnamed:
-        fate = 'chosen: structure that no named effect predicts' if verdict == 'unknown' else (
-            'fitted to all but the locked part, it explains too little'
-            if preferable(unnamed[0], tried) else 'not clearly better than the named effects')
-        if verdict == 'unknown':  # what was chosen among the named is not what is reported
+        fate = _fate(unnamed[0], tried, table is not None, refused is not None)
+        if table is not None:  # what was chosen among the named is not what is reported
             suspects = [replace(s, reason='the best of the named, which explain less')
                         if s.effects and set(s.effects) == set(tried.chosen.effects) else s
                         for s in suspects]
@@ -149,7 +160,31 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         experiment, tuple(search.segments), runs,
         (*notes, *_cornered(refitted), *known_together(effects, last),
          *_replaced(search.declared, after.parameters),
-         *chance(experiment, after.parameters, after.initial, 'this record')))
+         *chance(experiment, after.parameters, after.initial, 'this record')),
+        refused=refused)
+
+
+def stands(errors: Mapping[str, ChannelError]) -> bool:
+    """Tell whether data that were not fitted are missed by no more with what was added to them."""
+    before, after = (sum((getattr(error, stage) / error.noise)**2 for error in errors.values()
+                         if np.isfinite(error.before)) for stage in ('before', 'after'))
+    return after <= STANDS * max(before, sum(np.isfinite(e.before) for e in errors.values()))
+
+
+def _refused(fit: Fit, errors: Mapping[str, ChannelError]) -> Refused:
+    table = UnknownTerm(fit.parameters.discrepancy)
+    return Refused(place_of(table.table.location), table.variable,
+                   {name: error.after for name, error in errors.items()})
+
+
+def _fate(term: Candidate, tried: Tried, is_added: bool, is_refused: bool) -> str:
+    """Return what became of the best term without a name."""
+    if is_added:
+        return 'chosen: structure that no named effect predicts'
+    if is_refused:
+        return 'does not stand: the locked part is missed by more with it'
+    return ('fitted to all but the locked part, it explains too little'
+            if preferable(term, tried) else 'not clearly better than the named effects')
 
 
 def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:

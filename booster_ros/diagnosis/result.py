@@ -113,6 +113,15 @@ class ChannelError:
 
 
 @dataclass(frozen=True)
+class Refused:
+    """A term without a name that did not stand: place and variable, errors held out with it."""
+
+    location: str
+    variable: str
+    error: dict[str, float]
+
+
+@dataclass(frozen=True)
 class Suspect:
     """A model that was tried: its effects, its mean square misfit (1 is noise), its fate."""
 
@@ -166,7 +175,11 @@ class FalseAdd:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after')."""
+    """
+    The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
+
+    `refused` is the term that made the verdict "unknown" and is not in the model.
+    """
 
     verdict: str
     effects: tuple[FoundEffect, ...]
@@ -184,3 +197,9 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     validation: dict[str, ChannelError] = field(default_factory=dict)
     false_add: FalseAdd | None = None
+    refused: Refused | None = None
+
+    @property
+    def added(self) -> bool:
+        """Whether the model has something that it had not."""
+        return self.verdict == 'effect' or self.unknown is not None

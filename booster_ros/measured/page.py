@@ -82,7 +82,7 @@ def section(record: MeasuredRecord, diagnosis: Diagnosis) -> str:
 def error_table(record: MeasuredRecord, diagnosis: Diagnosis) -> str:
     """Return errors on fitted and held-out rows beside the noise, in the unit of the record."""
     shown = {'declared': 'declared', 'before': 'refitted'}
-    if diagnosis.verdict != 'none':
+    if diagnosis.added:
         shown['after'] = 'with the unnamed term' if diagnosis.verdict == 'unknown' else (
             'with the effect')
     rows = []

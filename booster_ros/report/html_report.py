@@ -64,7 +64,7 @@ def _stages(diagnosis: Diagnosis) -> dict[str, str]:
     stages = {'declared': 'as declared', 'before': 'refitted'}
     if diagnosis.verdict == 'effect':
         stages['after'] = 'with the effect'
-    elif diagnosis.verdict == 'unknown':
+    elif diagnosis.added:
         stages['after'] = 'with the unnamed term'
     return stages
 
@@ -221,7 +221,7 @@ def _evidence(effect: FoundEffect) -> str:
 
 def _undecided(diagnosis: Diagnosis) -> str:
     items = []
-    for effect in diagnosis.effects:
+    for effect in diagnosis.effects if diagnosis.added else ():
         rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
         if diagnosis.unknown is not None:
             items.append(' '.join([

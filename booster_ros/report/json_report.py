@@ -3,6 +3,7 @@
 """`report.json`: the diagnosis for programs, SI units, null where a number does not exist."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 import json
 import math
 from typing import Any
@@ -27,6 +28,7 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
         'summary': ' '.join([f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis)]),
         'effects': [_effect(effect, diagnosis.unknown) for effect in diagnosis.effects],
         'unknown': _unknown(diagnosis.unknown),
+        'refused': diagnosis.refused and asdict(diagnosis.refused),
         'error': _errors(diagnosis.error),
         'held_out': _errors(diagnosis.held_out),
         'validation': _errors(diagnosis.validation),

@@ -33,12 +33,12 @@ class View:
     @property
     def stages(self) -> tuple[str, str]:
         """The two models that are compared, worse first."""
-        return ('declared', 'before') if self.diagnosis.verdict == 'none' else ('before', 'after')
+        return ('before', 'after') if self.diagnosis.added else ('declared', 'before')
 
     @property
     def stage_labels(self) -> tuple[str, str]:
         """Words for the two models."""
-        if self.diagnosis.verdict == 'none':
+        if not self.diagnosis.added:
             return 'model as declared', 'refitted'
         return 'refitted, nothing added', (
             'with the unnamed term' if self.diagnosis.verdict == 'unknown' else 'with the effect')

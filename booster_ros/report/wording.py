@@ -7,7 +7,7 @@ import math
 import re
 
 from booster_ros.diagnosis.result import (
-    AS_GOOD_AS_MEASURED, ChannelError, Diagnosis, FalseAdd, UnknownTerm)
+    AS_GOOD_AS_MEASURED, ChannelError, Diagnosis, FalseAdd, Refused, UnknownTerm)
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import Scale, number, scale_of, side_by_side
 
@@ -91,6 +91,8 @@ def verdict_title(diagnosis: Diagnosis) -> str:
             return 'The declared model, refitted, is enough for this record'
         return 'Nothing to add'
     if diagnosis.verdict == 'unknown':
+        if diagnosis.refused is not None:
+            return 'The model lacks something that no named effect explains'
         place = place_label(_unknown_place(diagnosis))
         return f'The model lacks something in {place} that no named effect explains'
     return f'The model lacks {listing([effect_label(e.name) for e in diagnosis.effects])}'
@@ -109,6 +111,8 @@ def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
 def _sentences(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict == 'none':
         return _sentences_on_none(diagnosis)
+    if diagnosis.verdict == 'unknown' and diagnosis.refused is not None:
+        return [_missed(diagnosis), *_sentences_on_refused(diagnosis.refused, diagnosis.held_out)]
     if diagnosis.verdict == 'unknown':
         sentences = [_sentence_on_unknown(diagnosis.unknown)] if diagnosis.unknown else []
         return [*sentences, *_gain(diagnosis), *_rest(diagnosis), *unknown_rivals(diagnosis)]
@@ -126,13 +130,28 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
     return sentences
 
 
-def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
-    errors = judged(diagnosis)
+def _missed(diagnosis: Diagnosis) -> str:
     refitted = listing([
         f'{channel_label(name)} by {error_scale(e).text(e.before)} (noise '
-        f'{error_scale(e).text(e.noise)})' for name, e in errors.items()])
-    first = f'Refitted within its tolerances it misses {refitted}, {_where(diagnosis)}.'
-    if _reaches_noise(errors):
+        f'{error_scale(e).text(e.noise)})' for name, e in judged(diagnosis).items()])
+    return f'Refitted within its tolerances it misses {refitted}, {_where(diagnosis)}.'
+
+
+def _sentences_on_refused(refused: Refused, errors: Mapping[str, ChannelError]) -> list[str]:
+    reached = listing([
+        f'{channel_label(name)} from {error_scale(errors[name]).text(errors[name].before)} to '
+        f'{scale_of(errors[name].unit).text(error)}' for name, error in refused.error.items()])
+    return [
+        f'A smooth term in {place_label(refused.location)} over the '
+        f'{channel_label(refused.variable)} explains part of what it was fitted to, but data '
+        f'{_UNSEEN} speak against it: there the error goes with it in {reached}. It is not in the '
+        'model.',
+        f'That {place_label(refused.location)} is the place is a guess.']
+
+
+def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
+    first = _missed(diagnosis)
+    if _reaches_noise(judged(diagnosis)):
         return [first, 'No effect of the catalogue improves on that beyond chance.']
     return [
         first, 'That is more than noise, but no effect of the catalogue, and no smooth term, '
@@ -240,7 +259,7 @@ def _on_the_other(diagnosis: Diagnosis) -> list[str]:
     errors = scored(diagnosis.validation)
     if not errors:
         return []
-    added = diagnosis.verdict != 'none'
+    added = diagnosis.added
     model = 'With it the model' if added else 'The refitted model'
     left = listing(_left(errors, compared=added))
     if left:
