@@ -138,14 +138,16 @@ def _missed(diagnosis: Diagnosis) -> str:
 
 
 def _sentences_on_refused(refused: Refused, errors: Mapping[str, ChannelError]) -> list[str]:
-    reached = listing([
-        f'{channel_label(name)} from {error_scale(errors[name]).text(errors[name].before)} to '
-        f'{scale_of(errors[name].unit).text(error)}' for name, error in refused.error.items()])
+    changes = []
+    for name, error in refused.error.items():
+        before = errors[name].before
+        scale = side_by_side(errors[name].unit, (before, error))
+        changes.append(f'{channel_label(name)} from {scale.text(before)} to {scale.text(error)}')
     return [
         f'A smooth term in {place_label(refused.location)} over the '
         f'{channel_label(refused.variable)} explains part of what it was fitted to, but data '
-        f'{_UNSEEN} speak against it: there the error goes with it in {reached}. It is not in the '
-        'model.',
+        f'{_UNSEEN} speak against it: there the error goes with it in {listing(changes)}. It is '
+        'not in the model.',
         f'That {place_label(refused.location)} is the place is a guess.']
 
 
