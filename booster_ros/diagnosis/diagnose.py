@@ -138,24 +138,10 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         verdict = 'unknown'
         effects = (FoundEffect('unknown', refused.location, {}, (), '',
                                {'misfit_with': unnamed[0].misfit}),)
-    best_of: dict[frozenset[str], Candidate] = {}
-    for one in sorted(tried.all, key=lambda c: c.score):
-        best_of.setdefault(frozenset(one.effects), one)
-    suspects = [Suspect(c.effects, c.misfit, tried.reasons[effects])
-                for effects, c in best_of.items()]
-    if unnamed:
-        fate = _fate(unnamed[0], tried, table is not None, refused is not None)
-        if table is not None:  # what was chosen among the named is not what is reported
-            suspects = [replace(s, reason='the best of the named, which explain less')
-                        if s.effects and set(s.effects) == set(tried.chosen.effects) else s
-                        for s in suspects]
-        suspects = [Suspect(unnamed[0].effects, unnamed[0].misfit, fate),
-                    *(Suspect(one.effects, one.misfit, 'not told apart from the one above')
-                      for one in unnamed[1:]), *suspects]
     refitted = _refitted(before, after, search)
     return Diagnosis(
         verdict, effects, table, _errors(experiment, runs, rows),
-        _errors(experiment, runs, locked), tuple(suspects),
+        _errors(experiment, runs, locked), _suspects(tried, unnamed, table, refused),
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
         (*notes, *_cornered(refitted), *known_together(effects, last),
@@ -174,14 +160,32 @@ def stands(errors: Mapping[str, ChannelError]) -> bool:
 def _refused(fit: Fit, errors: Mapping[str, ChannelError]) -> Refused:
     table = UnknownTerm(fit.parameters.discrepancy)
     return Refused(place_of(table.table.location), table.variable,
-                   {name: error.after for name, error in errors.items()})
+                   {name: error.after for name, error in errors.items()
+                    if np.isfinite(error.after)})
 
 
-def _fate(term: Candidate, tried: Tried, is_added: bool, is_refused: bool) -> str:
+def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
+              refused: Refused | None) -> tuple[Suspect, ...]:
+    """Return what was tried, terms without a name first, each with its fate."""
+    best_of: dict[frozenset[str], Candidate] = {}
+    for one in sorted(tried.all, key=lambda c: c.score):
+        best_of.setdefault(frozenset(one.effects), one)
+    reasons = dict(tried.reasons)
+    if added is not None and tried.chosen.effects:  # what was chosen is not what is reported
+        reasons[frozenset(tried.chosen.effects)] = 'the best of the named, which explain less'
+    fates = [_fate(unnamed[0], tried, added, refused)] if unnamed else []
+    fates += ['not told apart from the one above'] * (len(unnamed) - 1)
+    return (*(Suspect(one.effects, one.misfit, fate) for one, fate in zip(unnamed, fates)),
+            *(Suspect(one.effects, one.misfit, reasons[effects])
+              for effects, one in best_of.items()))
+
+
+def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Refused | None
+          ) -> str:
     """Return what became of the best term without a name."""
-    if is_added:
+    if added is not None:
         return 'chosen: structure that no named effect predicts'
-    if is_refused:
+    if refused is not None:
         return 'does not stand: the locked part is missed by more with it'
     return ('fitted to all but the locked part, it explains too little'
             if preferable(term, tried) else 'not clearly better than the named effects')
