@@ -43,6 +43,8 @@ in the inside of the range comes near its ends and does not touch them."""
 STANDS = 1.1
 """Squared error of the locked part, relative to that without, up to which a term stands."""
 
+_DOES_NOT_STAND = 'does not stand: the locked part is missed by more with it'
+
 
 def diagnose(
     experiment: Experiment, declared: PositionerParameters, progress: Progress | None = None,
@@ -127,6 +129,9 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         refused = _refused(last.fit, _errors(experiment, runs, locked))
         verdict, tried, last = verdict_of(search, tried, [], refit)
         runs['after'] = experiment.predict(last.fit.parameters, last.fit.initial)
+        if not stands(_errors(experiment, runs, locked)):  # what it displaced does no better
+            verdict, tried, last = 'none', _none_of(tried), refit
+            runs['after'] = runs['before']
     before, after = refit.fit, last.fit
     effects: tuple[FoundEffect, ...] = ()
     table = None
@@ -155,6 +160,12 @@ def stands(errors: Mapping[str, ChannelError]) -> bool:
     before, after = (sum((getattr(error, stage) / error.noise)**2 for error in errors.values()
                          if np.isfinite(error.before)) for stage in ('before', 'after'))
     return after <= STANDS * max(before, sum(np.isfinite(e.before) for e in errors.values()))
+
+
+def _none_of(tried: Tried) -> Tried:
+    """Return the models tried with nothing chosen, for what was does not stand."""
+    return replace(tried, chosen=tried.refit, reasons={
+        **tried.reasons, frozenset(tried.chosen.effects): _DOES_NOT_STAND})
 
 
 def _refused(fit: Fit, errors: Mapping[str, ChannelError]) -> Refused:
@@ -186,7 +197,7 @@ def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Ref
     if added is not None:
         return 'chosen: structure that no named effect predicts'
     if refused is not None:
-        return 'does not stand: the locked part is missed by more with it'
+        return _DOES_NOT_STAND
     return ('fitted to all but the locked part, it explains too little'
             if preferable(term, tried) else 'not clearly better than the named effects')
 
