@@ -448,6 +448,22 @@ def test_a_term_that_the_locked_part_speaks_against_is_not_in_the_model(stays):
         assert found.refused.error[name] > error.before
 
 
+def test_what_a_refused_term_displaced_has_to_stand_as_well(monkeypatch):
+    search = searching(steps_seen(put(P, 'actuator.spring_bend', 400.0), STEPS, 1.7e5, seed=5),
+                       ('spring_nonlinearity',))
+    refit = search.refit()
+    poor = standing_at(search, ('spring_nonlinearity',), {'actuator.spring_bend': 100.0})
+    tried = Tried(refit, poor, (refit, poor), {frozenset(): '', frozenset(poor.effects): ''})
+    terms_found = best_terms(search, tried)[:1]
+    assert preferable(terms_found[0], tried)
+    monkeypatch.setattr(diagnose, 'stands', lambda errors: False)
+    found = diagnose._conclude(search, tried, terms_found, ())
+    assert (found.verdict, found.added) == ('unknown', False)
+    assert found.after == found.before
+    (fate,) = [one.reason for one in found.suspects if one.effects == poor.effects]
+    assert fate.startswith('does not stand')
+
+
 def test_what_was_dropped_from_the_other_record_is_said():
     found = unknown_found()
     another = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
