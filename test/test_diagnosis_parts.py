@@ -448,6 +448,23 @@ def test_a_term_that_the_locked_part_speaks_against_is_not_in_the_model(stays):
         assert found.refused.error[name] > error.before
 
 
+@pytest.mark.parametrize('reached', [None, 0, 700])
+def test_a_model_that_cannot_run_scores_infinitely_however_far_it_came(reached):
+    search = searching(seen(P), ())
+    problem = search.problem()
+
+    class Lost(Problem):
+        def predict(self, z):
+            if reached is None:
+                return None
+            late = np.arange(len(self.experiment.time)) >= reached
+            return {name: np.where(late, np.nan, values)
+                    for name, values in super().predict(z).items()}
+
+    lost = Lost(problem.experiment, problem.rows, problem.base, problem.freedoms)
+    assert search.rate((), lost, problem.at(problem.start())).score == np.inf
+
+
 def test_what_a_refused_term_displaced_has_to_stand_as_well(monkeypatch):
     search = searching(steps_seen(put(P, 'actuator.spring_bend', 400.0), STEPS, 1.7e5, seed=5),
                        ('spring_nonlinearity',))

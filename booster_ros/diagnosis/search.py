@@ -106,7 +106,8 @@ class Search:
                     if predicted is not None else np.full(segment.last - segment.first, np.inf)
                 scaled = scaled[np.isfinite(measured[part])]
                 # a run that was lost on the way has no values from there on
-                total += float(np.sum(np.nan_to_num(scaled**2, nan=np.inf)))
+                scaled = np.where(np.isnan(scaled), np.inf, scaled)
+                total += float(scaled @ scaled)
                 samples += len(scaled)
             sums.append(total)
         prior = sum((z / free.sigma) ** 2 for z, free in zip(fit.z, fit.freedoms)
