@@ -111,8 +111,9 @@ def test_what_cannot_be_told_apart_is_fitted_before_anything_is_chosen(leaking):
 class SeesNoLeakOfTheChamber(Search):
     """A search whose rows do not show a chamber leak, whatever was fitted."""
 
-    def fault(self, problem, fit, effect):
-        return 'none of it' if effect == 'chamber_leak' else super().fault(problem, fit, effect)
+    def faults(self, candidate):
+        leak = candidate.effects == ('chamber_leak',)
+        return {'chamber_leak': 'none of it'} if leak else super().faults(candidate)
 
 
 def test_the_plainer_one_gives_way_where_the_rows_do_not_show_it(leaking):

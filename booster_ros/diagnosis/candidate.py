@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A model with some effects, fitted and scored: which of two is better, which one is plainer."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,6 +145,14 @@ def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
     ties = [c for c in ranked if c.fault == ranked[0].fault and not told_apart(c, ranked[0])]
     ties.sort(key=lambda c: plainness(c, 0.0))
     return ties + [c for c in ranked if c not in ties]
+
+
+def best_of_each(candidates: Iterable[Candidate]) -> dict[frozenset[str], Candidate]:
+    """Return the best of the models by their effects, in whatever order: by score, best first."""
+    best: dict[frozenset[str], Candidate] = {}
+    for one in sorted(candidates, key=lambda c: c.score):
+        best.setdefault(frozenset(one.effects), one)
+    return best
 
 
 def plainness(candidate: Candidate, behind: float) -> tuple[bool, int, int]:

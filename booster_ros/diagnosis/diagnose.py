@@ -14,7 +14,7 @@ import numpy as np
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.birthplace import where_born
-from booster_ros.diagnosis.candidate import Candidate, gain, told_apart
+from booster_ros.diagnosis.candidate import Candidate, best_of_each, gain, told_apart
 from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.fit import Fit
 from booster_ros.diagnosis.freedom import Free, get
@@ -141,8 +141,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         effects, table = _found_unknown(unnamed, after)
     elif refused is not None:  # what it was made for is there all the same
         verdict = 'unknown'
-        effects = (FoundEffect('unknown', refused.location, {}, (), '',
-                               {'misfit_with': unnamed[0].misfit}),)
+        effects = (_nameless(refused.location, unnamed[:1]),)
     refitted = _refitted(before, after, search)
     return Diagnosis(
         verdict, effects, table, _errors(experiment, runs, rows),
@@ -157,9 +156,10 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
 
 def stands(errors: Mapping[str, ChannelError]) -> bool:
     """Tell whether data that were not fitted are missed by no more with what was added to them."""
-    before, after = (sum((getattr(error, stage) / error.noise)**2 for error in errors.values()
-                         if np.isfinite(error.before)) for stage in ('before', 'after'))
-    return after <= STANDS * max(before, sum(np.isfinite(e.before) for e in errors.values()))
+    seen = [error for error in errors.values() if np.isfinite(error.before)]
+    before = sum((error.before / error.noise)**2 for error in seen)
+    after = sum((error.after / error.noise)**2 for error in seen)
+    return after <= STANDS * max(before, len(seen))
 
 
 def _none_of(tried: Tried) -> Tried:
@@ -169,8 +169,8 @@ def _none_of(tried: Tried) -> Tried:
 
 
 def _refused(fit: Fit, errors: Mapping[str, ChannelError]) -> Refused:
-    table = UnknownTerm(fit.parameters.discrepancy)
-    return Refused(place_of(table.table.location), table.variable,
+    term = UnknownTerm(fit.parameters.discrepancy)
+    return Refused(place_of(term.table.location), term.variable,
                    {name: error.after for name, error in errors.items()
                     if np.isfinite(error.after)})
 
@@ -178,9 +178,6 @@ def _refused(fit: Fit, errors: Mapping[str, ChannelError]) -> Refused:
 def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
               refused: Refused | None) -> tuple[Suspect, ...]:
     """Return what was tried, terms without a name first, each with its fate."""
-    best_of: dict[frozenset[str], Candidate] = {}
-    for one in sorted(tried.all, key=lambda c: c.score):
-        best_of.setdefault(frozenset(one.effects), one)
     reasons = dict(tried.reasons)
     if added is not None and tried.chosen.effects:  # what was chosen is not what is reported
         reasons[frozenset(tried.chosen.effects)] = 'the best of the named, which explain less'
@@ -188,7 +185,7 @@ def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
     fates += ['not told apart from the one above'] * (len(unnamed) - 1)
     return (*(Suspect(one.effects, one.misfit, fate) for one, fate in zip(unnamed, fates)),
             *(Suspect(one.effects, one.misfit, reasons[effects])
-              for effects, one in best_of.items()))
+              for effects, one in best_of_each(tried.all).items()))
 
 
 def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Refused | None
@@ -289,11 +286,14 @@ def _rivals(name: str, rest: tuple[str, ...], tried: Tried, best: Candidate) -> 
 def _found_unknown(alike: list[Candidate], after: Fit
                    ) -> tuple[tuple[FoundEffect, ...], UnknownTerm]:
     unknown = UnknownTerm(after.parameters.discrepancy)
-    place = place_of(unknown.table.location)
-    effect = FoundEffect(
+    return (_nameless(place_of(unknown.table.location), alike),), unknown
+
+
+def _nameless(place: str, alike: list[Candidate]) -> FoundEffect:
+    """Return what has no name in this place: terms that tell of it as well as one another."""
+    return FoundEffect(
         'unknown', place, {}, tuple(one.effects[0].removeprefix(UNNAMED) for one in alike[1:]),
         '', {'misfit_with': alike[0].misfit})
-    return (effect,), unknown
 
 
 def _at_limit(free: Free, z: float) -> bool:

@@ -129,8 +129,9 @@ class Experiment:
         """Return the interval over which supply pressure and measured drives may stand, s."""
         if self.pinned:
             return DEFAULT_LONGEST_INTERVAL
-        if parameters.supply.ripple > 0.0:
-            return 0.05 / max(parameters.supply.ripple_frequency, 0.05 / LONGEST_INTERVAL)
+        supply = parameters.supply
+        if supply.ripple > 0.0 and supply.ripple_frequency > 0.0:
+            return min(LONGEST_INTERVAL, 0.05 / supply.ripple_frequency)
         return LONGEST_INTERVAL
 
     def predict(self, parameters: PositionerParameters, initial: Initial | None = None

@@ -17,7 +17,6 @@ beyond doubt, as its trace is not that of noise. Thinned rows hide it. So:
 
 from booster_ros.diagnosis.candidate import (
     FAINTEST_COST, NEAR_NOISE, Candidate, preferred_first, shows_faintly)
-from booster_ros.diagnosis.next_effect import redundant
 from booster_ros.diagnosis.screening import Promise, promise, reference_at, strong_frequencies
 from booster_ros.diagnosis.search import EVALUATIONS, Search, carried
 from booster_ros.diagnosis.side_by_side import side_by_side
@@ -35,10 +34,10 @@ MOST = 3
 def shown_on_every_row(search: Search, found: Candidate, ranked: list[Candidate]
                        ) -> list[Candidate]:
     """
-    Return the models with an effect more than `found` that every row shows, best first.
+    Return the models with an effect that every row shows, best first.
 
-    `ranked` are those fitted to thinned rows. None where effects were found already, or more than
-    noise is left.
+    `ranked` are those fitted to thinned rows. None where effects were found already, or `found`
+    leaves more than noise.
     """
     if found.effects or found.misfit > NEAR_NOISE:
         return []
@@ -64,10 +63,9 @@ def _promising(search: Search, before: Candidate) -> list[Candidate]:
     def promised(name: str) -> Promise | None:
         return promise(problem, reference, name, frequencies)
 
-    names = [name for name in search.names if not redundant(name, before.effects)]
     hopeful = sorted(
-        (one for one in side_by_side(promised, names)
+        (one for one in side_by_side(promised, search.names)
          if one and one.cost < fit.cost - HALF * FAINTEST_COST), key=lambda one: one.cost)
-    return [search.rate((*before.effects, one.effect), one.problem,
+    return [search.rate((one.effect,), one.problem,
                         one.problem.fit(one.start, evaluations=EVALUATIONS))
             for one in hopeful[:MOST]]

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.candidate import NEAR_NOISE, Candidate, clearly_better, explains
+from booster_ros.diagnosis.candidate import (
+    NEAR_NOISE, Candidate, best_of_each, clearly_better, explains)
 from booster_ros.diagnosis.cascade import as_seen_above
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.fit import Fit, Problem
@@ -149,10 +150,8 @@ def _without(tried: Tried, name: str, fault: str) -> Tried:
     as in the search.
     """
     rest = (set(tried.chosen.effects) | within(name)) - {name}
-    held_back: dict[frozenset[str], Candidate] = {}
-    for one in sorted(tried.all, key=lambda c: (c.learnt, c.score)):
-        if set(one.effects) <= rest and not one.fault:
-            held_back.setdefault(frozenset(one.effects), one)
+    left = [one for one in tried.all if set(one.effects) <= rest and not one.fault]
+    held_back = best_of_each(left) | best_of_each(one for one in left if not one.learnt)
     chosen = tried.refit
     for one in sorted(held_back.values(), key=lambda c: (len(c.effects), c.score)):
         if clearly_better(one, chosen):

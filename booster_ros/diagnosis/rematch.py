@@ -27,7 +27,8 @@ less than the choice above the stem.
 from collections.abc import Iterable
 from dataclasses import replace
 
-from booster_ros.diagnosis.candidate import UNLIKELY, Candidate, plainness, preferred_first
+from booster_ros.diagnosis.candidate import (
+    UNLIKELY, Candidate, best_of_each, plainness, preferred_first)
 from booster_ros.diagnosis.cascade import as_seen_above, fitted_above, shows_above_the_stem
 from booster_ros.diagnosis.descent import SETTLED
 from booster_ros.diagnosis.friction_start import best_friction
@@ -55,11 +56,10 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
         return [chosen]
     if has_dry_friction(chosen.fit.parameters.actuator):
         return _rematch_sticking(search, chosen, tried)
-    rivals: dict[frozenset[str], Candidate] = {}
-    for one in sorted(tried, key=lambda c: c.score):
-        same = set(one.effects) == set(chosen.effects) or len(one.effects) != len(chosen.effects)
-        if not same and not one.fault and one.score < NEAR * chosen.score:
-            rivals.setdefault(frozenset(one.effects), one)
+    rivals = best_of_each(
+        one for one in tried
+        if set(one.effects) != set(chosen.effects) and len(one.effects) == len(chosen.effects)
+        and not one.fault and one.score < NEAR * chosen.score)
     for one in _indistinct(search, chosen):
         rivals.setdefault(frozenset(one.effects), one)
     if not rivals:

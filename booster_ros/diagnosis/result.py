@@ -178,7 +178,7 @@ class Diagnosis:
     """
     The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
 
-    `refused` is the term that made the verdict "unknown" and is not in the model.
+    `refused` is a term without a name that did not stand, and is not in the model.
     """
 
     verdict: str

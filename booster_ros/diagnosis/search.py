@@ -170,14 +170,19 @@ class Search:
 
     def fault(self, problem: Problem, fit: Fit, effect: str) -> str:
         """Return why a fitted effect is none that this record shows, '' where it is one."""
-        of_row = segment_of_row(self.segments, len(self.experiment.time))
-        rows = np.searchsorted(self.experiment.time, problem.experiment.time)
-        return undetermined(problem, block_bootstrap(problem, fit, of_row[rows]), fit, effect)
+        return self._faults(problem, fit, (effect,)).get(effect, '')
 
     def faults(self, candidate: Candidate) -> dict[str, str]:
         """Return why, by name, of each effect of a model that its rows do not show."""
-        faults = {name: self.fault(candidate.problem, candidate.fit, name)
-                  for name in candidate.effects}
+        return self._faults(candidate.problem, candidate.fit, candidate.effects)
+
+    def _faults(self, problem: Problem, fit: Fit, effects: tuple[str, ...]) -> dict[str, str]:
+        if not effects:
+            return {}
+        of_row = segment_of_row(self.segments, len(self.experiment.time))
+        rows = np.searchsorted(self.experiment.time, problem.experiment.time)
+        draws = block_bootstrap(problem, fit, of_row[rows])
+        faults = {name: undetermined(problem, draws, fit, name) for name in effects}
         return {name: why for name, why in faults.items() if why}
 
 

@@ -17,7 +17,8 @@ from ..paper.printed import PrintedIndex
 from ..paper.table_three import Suspect as IndexSuspect
 from ..report.engineering import Scale, digits_apart, number, si_text
 from ..report.wording import (
-    capital, channel_label, effect_label, listing, verdict_sentences, verdict_title)
+    capital, channel_label, effect_label, listing, verdict_sentences, verdict_title,
+    with_what_was_added)
 from . import remarks
 from .records import MeasuredRecord
 from .supplies import SPLITS, Prediction, left_out
@@ -83,8 +84,7 @@ def error_table(record: MeasuredRecord, diagnosis: Diagnosis) -> str:
     """Return errors on fitted and held-out rows beside the noise, in the unit of the record."""
     shown = {'declared': 'declared', 'before': 'refitted'}
     if diagnosis.added:
-        shown['after'] = 'with the unnamed term' if diagnosis.verdict == 'unknown' else (
-            'with the effect')
+        shown['after'] = with_what_was_added(diagnosis)
     rows = []
     for part, errors in (('fitted', diagnosis.error), ('held out', diagnosis.held_out)):
         for name, error in errors.items():

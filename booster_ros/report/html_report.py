@@ -24,7 +24,7 @@ from booster_ros.report.tables import (
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.wording import (
     SCALING, capital, channel_label, effect_label, listing, place_label, scored,
-    unknown_experiment, unknown_rivals, verdict_sentences, verdict_title)
+    unknown_experiment, unknown_rivals, verdict_sentences, verdict_title, with_what_was_added)
 
 _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',
@@ -62,10 +62,8 @@ def html_page(diagnosis: Diagnosis, provenance: Provenance) -> str:
 def _stages(diagnosis: Diagnosis) -> dict[str, str]:
     """Return the models whose errors are shown, and words for them."""
     stages = {'declared': 'as declared', 'before': 'refitted'}
-    if diagnosis.verdict == 'effect':
-        stages['after'] = 'with the effect'
-    elif diagnosis.added:
-        stages['after'] = 'with the unnamed term'
+    if diagnosis.added:
+        stages['after'] = with_what_was_added(diagnosis)
     return stages
 
 

@@ -13,7 +13,7 @@ from booster_ros.diagnosis.segments import rows_of
 from booster_ros.diagnosis.unknown import followed
 from booster_ros.model import discrepancy
 from booster_ros.report.engineering import Scale, scale_of
-from booster_ros.report.wording import channel_label
+from booster_ros.report.wording import channel_label, with_what_was_added
 
 Array = np.ndarray
 
@@ -40,8 +40,7 @@ class View:
         """Words for the two models."""
         if not self.diagnosis.added:
             return 'model as declared', 'refitted'
-        return 'refitted, nothing added', (
-            'with the unnamed term' if self.diagnosis.verdict == 'unknown' else 'with the effect')
+        return 'refitted, nothing added', with_what_was_added(self.diagnosis)
 
     @property
     def time(self) -> Array:

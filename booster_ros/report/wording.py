@@ -84,6 +84,11 @@ def listing(words: Sequence[str], last: str = 'and') -> str:
     return f'{", ".join(words[:-1])} {last} {words[-1]}'
 
 
+def with_what_was_added(diagnosis: Diagnosis) -> str:
+    """Return the words for the model with what was added."""
+    return 'with the unnamed term' if diagnosis.verdict == 'unknown' else 'with the effect'
+
+
 def verdict_title(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
     if diagnosis.verdict == 'none':
