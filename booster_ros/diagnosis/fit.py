@@ -201,10 +201,8 @@ class Problem:
         return self._slopes(self.residuals, z, here, before)
 
     def _slopes(self, residuals: Residuals, z: Array, here: Array, before: Array | None) -> Array:
-        steps = np.full(len(z), DIFFERENCE)
-        if before is not None:
-            length = np.maximum(np.linalg.norm(before, axis=0), 1e-9)
-            steps = np.clip(self._visible(z) / length, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
+        steps = np.full(len(z), DIFFERENCE) if before is None else self.steps_for(
+            z, np.linalg.norm(before, axis=0))
 
         def column(j: int) -> Array:
             step = steps[j]
@@ -222,6 +220,11 @@ class Problem:
         for j in silent:  # its prior is all that such a variable moves
             columns[len(here) + j - len(z), j] = 1.0 / START[j - len(self.freedoms)]
         return columns
+
+    def steps_for(self, z: Array, slopes: Array) -> Array:
+        """Return how far differences go, in z, where slopes have these norms."""
+        return np.clip(self._visible(z) / np.maximum(slopes, 1e-9),
+                       SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
 
     def _visible(self, z: Array) -> float:
         rough = has_dry_friction(self.parameters(z).actuator) and not self.fine

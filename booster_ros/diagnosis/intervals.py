@@ -42,7 +42,8 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array) -> Array:
 
     `of_row` says of each row of the experiment which segment it belongs to. Each draw weighs the
     segments by how often they were drawn and makes one Gauss-Newton step from the fit. Residuals
-    may be as coloured as they like within a segment.
+    may be as coloured as they like within a segment. Where a declared parameter is expected is
+    drawn too, from its prior: what an effect trades with it is as unsure as that.
 
     Shapes are drawn with all else free, all else at the shapes that were found. Both at once would
     run along a line through nonsense: a drift of half the size in half the time is the same drift
@@ -87,8 +88,8 @@ def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: 
         mask = np.flatnonzero(label == k)
         gradients[b] = jacobian[mask].T @ residual[mask]
         hessians[b] = jacobian[mask].T @ jacobian[mask]
-    prior_gradient = jacobian[data:].T @ residual[data:]
-    prior_hessian = jacobian[data:].T @ jacobian[data:]
+    prior = jacobian[data:]
+    prior_hessian = prior.T @ prior
     rng = np.random.default_rng(1)
     draws = np.empty((DRAWS, size))
     # a size is of its typical order: without that, a draw in which a size hardly shows is anything
@@ -98,7 +99,8 @@ def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: 
     rest = np.setdiff1d(np.arange(size), shapes)
     for d in range(DRAWS):
         counts = np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks))
-        gradient = counts @ gradients + prior_gradient + pull
+        centres = residual[data:] + rng.standard_normal(len(prior))
+        gradient = counts @ gradients + prior.T @ centres + pull
         hessian = np.tensordot(counts, hessians, 1) + prior_hessian + ridge
         draws[d] = fit.z - np.linalg.solve(hessian, gradient)
         if shapes:

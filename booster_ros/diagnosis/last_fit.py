@@ -26,6 +26,7 @@ from booster_ros.diagnosis.search import (
 from booster_ros.diagnosis.segments import USED, segment_of_row
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, with_gentle_ends
+from booster_ros.diagnosis.valley import at_the_bottom
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
@@ -83,7 +84,8 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
     problem = search.on(candidate.problem, USED, 1)
     if has_dry_friction(candidate.fit.parameters.actuator):
         return _through_slips(search, problem, candidate)
-    return LastFit(problem, problem.without_unseen(_without_slips(problem, candidate)))
+    fit = at_the_bottom(problem, _without_slips(problem, candidate))
+    return LastFit(problem, problem.without_unseen(fit))
 
 
 def _without_slips(problem: Problem, candidate: Candidate) -> Fit:

@@ -1,0 +1,109 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Variables that do nearly the same: what a record does not tell apart has to look like that."""
+
+from dataclasses import replace
+
+from made_search import P, TIME, seen
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.diagnose import either
+from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.freedom import declared_freedom
+from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
+from booster_ros.diagnosis.result import FoundEffect, Interval
+from booster_ros.diagnosis.screening import with_effect
+from booster_ros.diagnosis.valley import at_the_bottom, slopes_along_axes
+from booster_ros.model.catalogue import EFFECTS
+
+NAMES = ('ep_converter.offset', 'booster.intake_preload', 'booster.exhaust_preload')
+PER_PASCAL = P.booster.s1
+"""Newton by which the one preload has to rise, the other to fall, for a pascal of offset."""
+
+
+def put_all(parameters, **values):
+    """Return the parameters with several of the booster's changed."""
+    return parameters._replace(booster=parameters.booster._replace(**values))
+
+
+@pytest.fixture(scope='module')
+def fitted():
+    """Return problem and fit of a dead band, 30 mN on either side, beside declared parameters."""
+    experiment = seen(put_all(P, intake_preload=0.03, exhaust_preload=0.03))
+    declared = Problem(experiment, np.ones(len(TIME), dtype=bool), P,
+                       tuple(declared_freedom(P, experiment)))
+    problem = with_effect(declared, EFFECTS['booster_dead_band'])
+    z = problem.start()
+    for j, free in enumerate(problem.freedoms):
+        if free.knob.parameter in NAMES[1:]:
+            z[j] = free.variable(0.03)
+    return problem, problem.fit(z)
+
+
+def places(problem):
+    """Return where the offset and the two preloads stand among the variables."""
+    names = [free.knob.parameter for free in problem.freedoms]
+    return [names.index(name) for name in NAMES]
+
+
+def along_the_valley(problem):
+    """Return the step in z that raises the offset by one standard deviation, and seats with it."""
+    step = np.zeros(len(problem.start()))
+    for j, sign in zip(places(problem), (0.0, 1.0, -1.0)):
+        free = problem.freedoms[j]
+        pascals = problem.freedoms[places(problem)[0]].scale
+        step[j] = sign * PER_PASCAL * pascals / free.scale if sign else 1.0
+    return step
+
+
+def test_along_axes_slopes_are_those_of_the_valley(fitted):
+    problem, fit = fitted
+    step = along_the_valley(problem)
+    rows = problem.rows_counted()
+    moved = problem.residuals(fit.z + 0.3 * step) - problem.residuals(fit.z - 0.3 * step)
+    truth = np.linalg.norm(moved[:rows]) / 0.6
+    across = np.linalg.norm(fit.jacobian[:rows, places(problem)[0]])
+    assert truth < 1e-3 * across  # a valley it is
+    slopes = slopes_along_axes(problem, fit)
+    assert np.linalg.norm(slopes[:rows] @ step) < truth + 1.0
+    np.testing.assert_allclose(  # and across it they are as they were
+        np.linalg.norm(slopes, axis=0), np.linalg.norm(fit.jacobian, axis=0), rtol=0.02, atol=1.0)
+
+
+def test_what_trades_with_a_declared_parameter_is_as_unsure_as_that(fitted):
+    problem, fit = fitted
+    fit = at_the_bottom(problem, fit)
+    draws = block_bootstrap(problem, fit, (TIME // 2.5).astype(int))
+    offset, intake, exhaust = places(problem)
+    assert 0.7 < np.std(draws[:, offset]) < 1.3  # of its prior
+    together, apart = draws[:, intake] + draws[:, exhaust], draws[:, intake] - draws[:, exhaust]
+    assert np.std(together) < 0.02 * np.std(apart)
+    assert undetermined(problem, draws, fit, 'booster_dead_band') == ''
+    scale = problem.freedoms[intake].scale
+    assert scale * np.mean(together) == pytest.approx(0.06, abs=0.002)
+
+
+def test_the_fit_goes_on_to_the_bottom_of_the_valley(fitted):
+    problem, fit = fitted
+    off = problem.residuals(fit.z + along_the_valley(problem))
+    moved = replace(fit, z=fit.z + along_the_valley(problem), cost=float(off @ off))
+    assert abs(moved.z[places(problem)[0]]) > 0.7
+    found = at_the_bottom(problem, moved)
+    assert found.cost < moved.cost - 0.5
+    assert abs(found.z[places(problem)[0]]) < 0.3
+    assert found.parameters == problem.parameters(found.z)
+    assert at_the_bottom(problem, found).cost <= found.cost
+
+
+@pytest.mark.parametrize(('lowest', 'said'), [(0.0, True), (0.01, False)])
+def test_sizes_of_which_each_may_be_none_are_said_to_be_known_together(lowest, said):
+    parameters = {name: Interval(0.03, low, 0.06, 'N')
+                  for name, low in zip(NAMES[1:], (0.0, lowest))}
+    found = FoundEffect('booster_dead_band', 'booster', parameters, (), '', {})
+    assert bool(either((found,))) == said
+    if said:
+        assert either((found,))[0].startswith(
+            'booster.intake_preload and booster.exhaust_preload: each may be none, but not all')
+    alone = replace(found, parameters={NAMES[1]: parameters[NAMES[1]]})
+    assert not either((alone, replace(found, name='unknown', parameters={})))
