@@ -9,7 +9,8 @@ from hidden_plant.confusion.cells import GROUPS, Cell, cells_of
 from hidden_plant.confusion.figure import write_matrix
 from hidden_plant.confusion.judging import OUTCOMES, Found, judge
 from hidden_plant.confusion.page import page, share
-from hidden_plant.confusion.running import Result, Results, RunError, run_cells
+from hidden_plant.confusion.running import (
+    ROOT, Result, Results, RunError, last_decision, run_cells)
 from hidden_plant.effects import EFFECTS
 import pytest
 
@@ -82,8 +83,8 @@ def cells(*effects, noise=1.0):
     return [Cell(effect, 'large' if effect != 'none' else '-', noise, 1) for effect in effects]
 
 
-def result(cell, *found, before=12.0, after=1.02, seconds=30.0):
-    return Result(cell, found, before, after, seconds)
+def result(cell, *found, before=12.0, after=1.02, seconds=30.0, decision=7):
+    return Result(cell, found, before, after, seconds, decision)
 
 
 def test_what_was_interrupted_goes_on_with_what_is_missing(tmp_path):
@@ -116,6 +117,18 @@ def test_what_was_interrupted_goes_on_with_what_is_missing(tmp_path):
     assert set(heard) == {(friction, Result), (clean, RunError)}
     assert Results(path).of([friction, leak, clean]) == [
         result(friction, FRICTION), result(leak, LEAK)]
+
+
+def test_a_result_says_on_which_state_it_was_run():
+    assert last_decision('# Decisions\n\n9. **No.** A\n\n12. **Yes.** 13. is none\n') == 12
+    assert last_decision((ROOT / 'docs' / 'decisions.md').read_text()) >= 88
+    same = page(MADE, 9, '', '', '')
+    assert 'All were run on the state of [decision 7](decisions.md).' in same
+    mixed = [*MADE, result(Cell('none', '-', 1.0, 3), decision=6),
+             result(Cell('dead_time', 'small', 3.0, 1), decision=6)]
+    assert ('on that of [decision 7](decisions.md) 1 small at noise 1, 4 large at noise 1, '
+            '1 large at noise 3, 2 clean at noise 1; on that of [decision 6](decisions.md) '
+            '1 clean at noise 1, 1 small at noise 3.') in page(mixed, 9, '', '', '')
 
 
 def test_a_file_of_something_else_is_refused_and_kept(tmp_path, capsys):

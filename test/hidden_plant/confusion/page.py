@@ -16,13 +16,13 @@ from .running import Result
 
 _ABOUT = """
 A plant that was written apart from the model (`test/hidden_plant`) plays valves with one effect
-each, or two, or none; `close_loop` is shown 150 s of current, chamber pressure and valve position,
-and 90 s more for validation. Sizes are chosen by how far the record is from that of the same valve
-without the effect, before anything is refitted: of the named effects 2 (small), 10 (medium) and 36
-(large) times noise 1 in the median, which is 150 Pa and 8 µm RMS. What looks like a declared
-parameter that is off is larger (the bench set by up to 119), as a refit explains much of it: what
-that leaves stands in every cell. `test/hidden_plant/effects.py` has the sizes in SI units. What a
-record hardly shows counts all the same.
+each, two where a row names two, or none; `close_loop` is shown 150 s of current, chamber pressure
+and valve position, and 90 s more for validation. Sizes are chosen by how far the record is from
+that of the same valve without the effect, before anything is refitted: of the named effects 2
+(small), 10 (medium) and 36 (large) times noise 1 in the median, which is 150 Pa and 8 µm RMS. What
+looks like a declared parameter that is off is larger (the bench set by up to 119), as a refit
+explains much of it: what that leaves stands in every cell. `test/hidden_plant/effects.py` has the
+sizes in SI units. What a record hardly shows counts all the same.
 """
 
 
@@ -40,6 +40,7 @@ def page(results: Sequence[Result], planned: int, command: str, figure: str, cel
         f'Made, from the folder `test`, by\n\n```\n{command}\n```\n\n'
         f'What each cell came to is in [{cells}]({cells}); with that as `FOLDER/results.jsonl` the '
         'command goes on from there, as long as the diagnosis is the same.',
+        _states(results),
         f'**{missing} of {planned} runs are missing.**' if missing else '',
         '## In short', _shares(results), _seconds(results),
         '## Every cell', _legend(), _cells(results),
@@ -48,6 +49,25 @@ def page(results: Sequence[Result], planned: int, command: str, figure: str, cel
         '## Clean records', _clean(results),
     ]
     return '\n\n'.join(filter(None, parts)) + '\n'
+
+
+def _states(results: Sequence[Result]) -> str:
+    """Return on which states of the diagnosis the cells were run."""
+    if not results:
+        return ''
+    newest = max(result.decision for result in results)
+    parts: Counter[tuple[int, float, str]] = Counter(
+        (result.decision, result.cell.noise, result.cell.size) for result in results)
+    told = {
+        decision: ', '.join(
+            f'{count} {"clean" if size == NO_SIZE else size} at noise {noise:g}'
+            for (state, noise, size), count in parts.items() if state == decision)
+        for decision in sorted({state for state, _, _ in parts}, reverse=True)}
+    if len(told) == 1:
+        return f'All were run on the state of [decision {newest}](decisions.md).'
+    return ('Not all were run on the same state of the diagnosis: ' + '; '.join(
+        f'on that of [decision {state}](decisions.md) {cells}' for state, cells in told.items())
+        + '.')
 
 
 def share(hits: int, of: int) -> str:

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 import json
 from pathlib import Path
+import re
 import subprocess
 import sys
 from threading import Lock
@@ -31,7 +32,8 @@ class Result:
     What close_loop said of a cell.
 
     `before` and `after` are errors on the validation record as multiples of the noise, root mean
-    square over its channels; `seconds` is how long the program took.
+    square over its channels; `seconds` is how long the program took, `decision` the last one of
+    docs/decisions.md when it ran.
     """
 
     cell: Cell
@@ -39,6 +41,7 @@ class Result:
     before: float
     after: float
     seconds: float
+    decision: int
 
     @property
     def judgement(self) -> Judgement:
@@ -132,7 +135,13 @@ def run_cell(cell: Cell, folder: Path) -> Result:
     report = json.loads((out / 'report.json').read_text(encoding='utf-8'))
     return Result(cell, tuple(
         Found(e['name'], e['location'], tuple(e['confused_with'])) for e in report['effects']),
-        _error(report, 'before'), _error(report, 'after'), seconds)
+        _error(report, 'before'), _error(report, 'after'), seconds,
+        last_decision((ROOT / 'docs' / 'decisions.md').read_text(encoding='utf-8')))
+
+
+def last_decision(text: str) -> int:
+    """Return the number of the last decision on the page of decisions; ValueError if none."""
+    return max(int(number) for number in re.findall(r'^([0-9]+)\. ', text, re.MULTILINE))
 
 
 def _error(report: dict, stage: str) -> float:
@@ -142,11 +151,13 @@ def _error(report: dict, stage: str) -> float:
 
 def _values(result: Result) -> dict:
     return {**values_of(result.cell), 'found': [one._asdict() for one in result.found],
-            'before': result.before, 'after': result.after, 'seconds': result.seconds}
+            'before': result.before, 'after': result.after, 'seconds': result.seconds,
+            'decision': result.decision}
 
 
 def _result(values: dict) -> Result:
     found = tuple(Found(one['name'], one['location'], tuple(one['confused_with']))
                   for one in values.pop('found'))
     before, after, seconds = (float(values.pop(key)) for key in ('before', 'after', 'seconds'))
-    return Result(Cell(**values), found, before, after, seconds)
+    decision = int(values.pop('decision'))
+    return Result(Cell(**values), found, before, after, seconds, decision)
