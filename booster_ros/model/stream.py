@@ -22,6 +22,9 @@ from .system import (
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""
 
+LEAST_PART = 1e-3
+"""An arrival nearer to a row than this share of the longest interval divides nothing."""
+
 DEFAULT_TOLERANCE = 1.0
 """Multiplies the solver's error tolerance."""
 
@@ -141,24 +144,34 @@ class Stream:
         pins[:before] = self._pins
         for name, series in (pinned or {}).items():
             pins[before:, STATE_NAMES.index(name)] = series
-        delayed = delayed_current(t, current, self._parameters.ep_converter.dead_time)
         first = max(before - 1, 0)
-        out = np.empty((len(t) - first, OBSERVED))
-        self._run(t[first:], current[first:], delayed[first:], pins[first:], out)
+        moments = arrivals(t, current, self._parameters.ep_converter.dead_time, self._longest)
+        moments = moments[moments > t[first]]
+        if len(moments) > 0:
+            at = np.searchsorted(t, moments)
+            out = self._run(*with_rows(moments, at, t, current, pins), first)
+            out = np.delete(out, at + np.arange(len(at)) - first, axis=0)
+        else:
+            out = self._run(t, current, pins, first)
         self._keep(t, current, pins)
         return dict(zip(Outputs._fields, out[before - first:].T))
 
-    def _run(self, time: np.ndarray, current: np.ndarray, delayed: np.ndarray, pins: np.ndarray,
-             out: np.ndarray) -> None:
+    def _run(self, time: np.ndarray, current: np.ndarray, pins: np.ndarray, first: int
+             ) -> np.ndarray:
+        """Run from row `first` to the last; return what is seen at each of these."""
+        delayed = delayed_current(time, current, self._parameters.ep_converter.dead_time)
+        time, current, delayed, pins = time[first:], current[first:], delayed[first:], pins[first:]
+        out = np.empty((len(time), OBSERVED))
         if self._machine is None:
             run(self._parameters, time.tolist(), current.tolist(), delayed.tolist(), self._pinned,
                 pins, self._state, self._memory, self._active, len(self._active),
                 self._tolerance, self._longest, self._work, out)
-            return
+            return out
         self._machine(
             self._parameters, time, current, delayed, np.array(self._pinned, dtype=np.int64),
             pins, self._state, self._memory, np.array(self._active, dtype=np.int64),
             len(self._active), self._tolerance, self._longest, self._work, out)
+        return out
 
     def _keep(self, time: np.ndarray, current: np.ndarray, pins: np.ndarray) -> None:
         oldest = time[-1] - max(self._parameters.ep_converter.dead_time, 0.0)
@@ -167,6 +180,34 @@ class Stream:
         self._time = time[first:].copy()
         self._current = current[first:].copy()
         self._pins = pins[first:].copy()
+
+
+def arrivals(
+    time: np.ndarray, current: np.ndarray, dead_time: float, longest: float
+) -> np.ndarray:
+    """
+    Return when changes of the current arrive, one dead time (s) late: rising, each moment once.
+
+    Only those between rows further apart than `longest` s: over less the mean stands for them.
+    """
+    if dead_time <= 0.0:
+        return np.empty(0)
+    moments = np.unique(time[1:][np.diff(current) != 0.0] + dead_time)
+    moments = moments[moments < time[-1]]
+    after = np.searchsorted(time, moments)
+    since, until = moments - time[after - 1], time[after] - moments
+    far = np.minimum(since, until) > LEAST_PART * longest
+    return moments[far & (since + until > longest)]
+
+
+def with_rows(
+    moments: np.ndarray, at: np.ndarray, time: np.ndarray, current: np.ndarray, pins: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return time, current and pinned states with rows at `moments` s, before the rows `at`."""
+    share = (moments - time[at - 1]) / (time[at] - time[at - 1])
+    between = pins[at - 1] + share[:, None] * (pins[at] - pins[at - 1])
+    return (np.insert(time, at, moments), np.insert(current, at, current[at - 1]),
+            np.insert(pins, at, between, axis=0))
 
 
 def delayed_current(time: np.ndarray, current: np.ndarray, dead_time: float) -> np.ndarray:
