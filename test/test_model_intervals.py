@@ -5,10 +5,11 @@
 from itertools import pairwise
 
 import numpy as np
-from positioner_runs import PAPER_CURRENT, positioner, rows
+from positioner_runs import PAPER_CURRENT, current_for, positioner, rows, settled_at
 import pytest
 
-from booster_ros.model.simulation import simulate
+from booster_ros.model.kernel import parts_of
+from booster_ros.model.simulation import Plant, simulate
 from booster_ros.model.stream import Stream
 
 
@@ -38,3 +39,39 @@ def test_a_given_pressure_runs_on_straight_where_a_current_arrives():
         for values in ({'ep_converter.dead_time': 0.7}, None))
     assert late['chamber_pressure'].tolist() == pressure.tolist()
     assert late['valve_position'] == pytest.approx(declared['valve_position'], abs=1e-6)
+
+
+RIPPLE = {'supply.ripple': 20e3, 'supply.ripple_frequency': 50.0}
+"""Its top comes with every row of 20 ms where the phase is a quarter turn."""
+
+
+@pytest.mark.parametrize('phase', [0.0, 0.5 * np.pi])
+def test_a_ripple_is_none_whose_top_comes_with_every_row(phase):
+    p = positioner({**RIPPLE, 'supply.ripple_phase': phase})
+    ends = []
+    for dt in (0.02, 1e-3):
+        time = rows(3.0, dt)
+        run = simulate(p, time, np.full_like(time, current_for(220e3)), settled_at(220e3))
+        ends.append(run['chamber_pressure'][-1])
+    assert ends[1] - 220e3 > 500.0  # a chamber that fills sooner than it empties
+    assert ends[0] == pytest.approx(ends[1], abs=10.0)
+
+
+def test_a_plant_in_long_steps_follows_a_ripple():
+    ends = []
+    for step in (0.1, 1e-3):
+        plant = Plant(positioner({**RIPPLE, 'supply.ripple_phase': 0.5 * np.pi}), step)
+        plant.reset(220e3, None, float(current_for(220e3)))
+        plant.advance(float(current_for(220e3)), round(1.0 / step))
+        ends.append(plant.outputs().chamber_pressure)
+    assert ends[0] == pytest.approx(ends[1], abs=10.0)
+
+
+@pytest.mark.parametrize(('values', 'parts'), [
+    ({}, 1), ({'supply.ripple_frequency': 100.0}, 1),
+    ({'supply.ripple': 2e3, 'supply.ripple_frequency': 0.0}, 1),
+    ({'supply.ripple': 2e3, 'supply.ripple_frequency': 5.0}, 1),
+    ({'supply.ripple': 2e3, 'supply.ripple_frequency': 20.0}, 4),
+])
+def test_rows_are_divided_no_more_than_a_ripple_asks_for(values, parts):
+    assert parts_of(positioner(values), 0.01, 0.02) == parts

@@ -16,7 +16,10 @@ from booster_ros.model.system import CENTRED, Departure, PositionerParameters
 Array = np.ndarray
 
 LONGEST_INTERVAL = 0.1
-"""Rows further apart than this, s, are divided: what happens between them is smooth."""
+"""
+Rows further apart than this, s, are divided unless measured drives run between them: what happens
+there is smooth.
+"""
 
 THINNED_TOLERANCE = 3.0
 """
@@ -123,16 +126,7 @@ class Experiment:
         return simulate(
             parameters, self.time, self.current, state, self.pinned, self.tolerance,
             departure=start.departure,
-            longest_interval=self._longest_interval(parameters))
-
-    def _longest_interval(self, parameters: PositionerParameters) -> float:
-        """Return the interval over which supply pressure and measured drives may stand, s."""
-        if self.pinned:
-            return DEFAULT_LONGEST_INTERVAL
-        supply = parameters.supply
-        if supply.ripple > 0.0 and supply.ripple_frequency > 0.0:
-            return min(LONGEST_INTERVAL, 0.05 / supply.ripple_frequency)
-        return LONGEST_INTERVAL
+            longest_interval=DEFAULT_LONGEST_INTERVAL if self.pinned else LONGEST_INTERVAL)
 
     def predict(self, parameters: PositionerParameters, initial: Initial | None = None
                 ) -> dict[str, Array]:

@@ -4,6 +4,7 @@
 
 from .ahead import covers, go_along
 from .solver import Workspace, advance
+from .supply import longest_hold
 from .system import (
     CHAMBER, POSITION, STANDING, STATES, STEP_AHEAD, TRIAL_STEP, PositionerParameters,
     depends_on_time, follow_play, hold_inactive_states, measure, observe, seen_current)
@@ -48,6 +49,11 @@ def interval(
     return seen
 
 
+def parts_of(p: PositionerParameters, length: float, longest: float) -> int:
+    """Return into how many intervals to divide `length` s, none over `longest` or the ripple's."""
+    return max(1, int(length / min(longest, longest_hold(p.supply)) + 0.999))
+
+
 def run(
     p: PositionerParameters, times, currents, delayed, pinned, pins, y, memory, active,
     count: int, tolerance: float, longest: float, w: Workspace, out,
@@ -57,7 +63,8 @@ def run(
 
     `currents[k]` (commanded) and `delayed[k]` (after the dead time) stand from times[k] to
     times[k + 1]; of rows with the same stamp the last one counts. The states in `pinned` follow
-    their column of `pins` instead of the equations. Intervals longer than `longest` s are divided.
+    their column of `pins` instead of the equations. Intervals longer than `longest` s, or than a
+    ripple may be held, are divided.
     """
     seen = delayed[0]
     for k in range(len(times)):
@@ -72,7 +79,7 @@ def run(
         length = times[k + 1] - times[k]
         if length <= 0.0:
             continue
-        parts = max(1, int(length / longest + 0.999))
+        parts = parts_of(p, length, longest)
         for part in range(parts):
             for s in pinned:
                 share = (part + 0.5) / parts

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from .kernel import interval
+from .kernel import interval, parts_of
 from .solver import new_workspace
 from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
@@ -88,11 +88,15 @@ class Plant:
     def advance(self, control_current: float, steps: int) -> None:
         """Let `steps` × step seconds pass with the command standing at `control_current` (A)."""
         self._current = control_current
+        parts = parts_of(self._parameters, self._step, self._step)
+        length = self._step / parts
         for _ in range(steps):
-            self._seen = interval(
-                self._parameters, self.time, self._step, self._delayed(control_current), (),
-                self._y, self._memory, self._active, len(self._active), DEFAULT_TOLERANCE,
-                self._work)
+            delayed = self._delayed(control_current)
+            for part in range(parts):
+                self._seen = interval(
+                    self._parameters, self.time + part * length, length, delayed, (),
+                    self._y, self._memory, self._active, len(self._active), DEFAULT_TOLERANCE,
+                    self._work)
             self._steps += 1
 
     def _delayed(self, current: float) -> float:

@@ -29,12 +29,23 @@ class Supply(NamedTuple):
         'rad', 'supply_ripple: phase at time zero', -100.0, 100.0)] = 0.0
 
 
+HELD_SHARE = 0.05
+"""Share of a ripple's period that is held: what the ripple does is then off by 0.4 %."""
+
+
 def set_pressure(supply: Supply, time: float) -> float:
     """Return the supply pressure at no flow, Pa gauge, at `time` in s."""
     if supply.ripple == 0.0:
         return supply.pressure
     angle = 2.0 * math.pi * supply.ripple_frequency * time + supply.ripple_phase
     return supply.pressure + supply.ripple * math.sin(angle)
+
+
+def longest_hold(supply: Supply) -> float:
+    """Return over how long, s, the pressure at no flow may be held as it is in the middle."""
+    if supply.ripple == 0.0 or supply.ripple_frequency == 0.0:
+        return math.inf
+    return HELD_SHARE / supply.ripple_frequency
 
 
 def supply_pressure_rate(supply: Supply, pressure: float, undrawn: float, flow: float) -> float:
