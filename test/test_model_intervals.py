@@ -75,3 +75,22 @@ def test_a_plant_in_long_steps_follows_a_ripple():
 ])
 def test_rows_are_divided_no_more_than_a_ripple_asks_for(values, parts):
     assert parts_of(positioner(values), 0.01, 0.02) == parts
+
+
+SWINGS = {'discrepancy.location': 'ep_converter', 'discrepancy.variable': 'time',
+          'discrepancy.high': 4.0, 'discrepancy.values': [1e3 * (k % 2) for k in range(12)]}
+
+
+@pytest.mark.parametrize(('values', 'pascals'), [
+    ({'supply.ripple': 20e3, 'supply.ripple_frequency': 2.0, 'supply.droop': 1e7}, 10.0),
+    ({'ep_converter.drift': 20e3, 'ep_converter.drift_time_constant': 1.0}, 2.0),
+    (SWINGS, 1.0),
+], ids=['ripple behind a regulator', 'drift', 'term over time'])
+def test_what_goes_by_time_comes_no_half_row_late(values, pascals):
+    ends = []
+    for dt in (0.02, 1e-3):
+        time = rows(3.0, dt)
+        current = np.where(time < 1.9999, current_for(220e3), current_for(250e3))
+        run = simulate(positioner(values), time, current, settled_at(220e3))
+        ends.append(run['chamber_pressure'][::round(0.02 / dt)])
+    assert np.abs(ends[0] - ends[1]).max() < pascals

@@ -13,7 +13,7 @@ from .system import PASSED, POSITION, STATES, STEP_AHEAD, VELOCITY, derivatives
 def begin_ahead(p, time, current, direction, y, memory, step, stuck, w) -> None:
     """Take the step of length `step` s from `y` to w.trial as the one to go along."""
     memory[STEP_AHEAD], memory[PASSED] = step, 0.0
-    derivatives(p, time + step, current, direction, w.trial, w.stage_rates)
+    derivatives(p, time, current, direction, w.trial, w.stage_rates)
     for i in range(STATES):
         w.start[i] = y[i]
     if stuck:

@@ -26,13 +26,14 @@ def interval(
     Return the current that the E/P converter acted on, A. `y` and `memory` change in place. The
     states in `pinned` are given in `y` and are not among the `active`.
     """
+    middle = time + 0.5 * length  # what goes by time stands over an interval, as a current does
     seen = seen_current(p, memory, current)
     before = (y[CHAMBER], y[POSITION])
     stands = seen == memory[STANDING] and len(pinned) == 0
     if stands and covers(memory, length):
         go_along(y, memory, length, active, count, w)
     else:
-        hold_inactive_states(p, time + 0.5 * length, y, pinned)
+        hold_inactive_states(p, middle, y, pinned)
         # a current that has stood over an interval is trusted to stand on
         longest_ahead = 0.0
         if stands and not depends_on_time(p):
@@ -42,7 +43,7 @@ def interval(
             memory[STEP_AHEAD] = 0.0
             memory[TRIAL_STEP] = min(memory[TRIAL_STEP], length)
         advance(
-            p, time, seen, length, y, memory, active, count, tolerance, w, longest_ahead)
+            p, middle, seen, length, y, memory, active, count, tolerance, w, longest_ahead)
     hold_inactive_states(p, time + length, y, pinned)
     follow_play(p, y)
     measure(p, memory, before, y, length)

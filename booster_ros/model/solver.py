@@ -116,7 +116,7 @@ def _zero_crossing(start: float, slope: float, end: float, end_slope: float) -> 
 
 def _step_to_rest(p, time, current, direction, y, step, explicit, active, count, w) -> float:
     """Shorten the step so that it ends where a sliding stem stops; the result is in w.trial."""
-    derivatives(p, time + step, current, direction, w.trial, w.stage_rates)
+    derivatives(p, time, current, direction, w.trial, w.stage_rates)
     share = _zero_crossing(
         y[VELOCITY], step * w.rates[VELOCITY], w.trial[VELOCITY], step * w.stage_rates[VELOCITY])
     step = max(share * step, min(step, SHORTEST_EVENT))
@@ -129,7 +129,7 @@ def advance(
     active, count: int, tolerance: float, w: Workspace, longest_ahead: float = 0.0,
 ) -> None:
     """
-    Take the state `y` from `time` over `length` s of standing inputs, in place.
+    Take the state `y` over `length` s of standing inputs, in place; `time` (s) is one of them.
 
     `active[:count]` are the states to integrate in rising order, the others stand still;
     `tolerance` multiplies `TOLERANCE` (infinite: one step however large the error). Steps of up to
@@ -146,7 +146,6 @@ def advance(
                 return
             gone = finish(y, memory, active, count, w)
             left = left - gone if left - gone > 1e-12 * length else 0.0
-            time += gone
             rates_known = True
             continue
         direction = 0.0
@@ -218,7 +217,6 @@ def advance(
             memory[DIRECTION] = 0.0
             memory[TRIAL_STEP] = length  # what was fast has come to rest
         left = left - step if left - step > 1e-12 * length else 0.0
-        time += step
 
 
 __all__ = ['Workspace', 'advance', 'new_workspace']
