@@ -81,10 +81,6 @@ class Actuator(NamedTuple):
         '-', 'flow_force: travel fraction over which it falls to 37 %', 0.01, 10.0)] = 0.3
 
 
-SMALLEST_VOLUME = 0.05
-"""Share of the dead volume that is left whatever is taken off it."""
-
-
 def diaphragm_area(act: Actuator, position: float) -> float:
     """Return A(x), m²."""
     return act.effective_area * (1.0 - act.area_change * position / act.travel)
@@ -93,7 +89,7 @@ def diaphragm_area(act: Actuator, position: float) -> float:
 def chamber_volume(act: Actuator, position: float) -> float:
     """Return V(x) = V0 + integral of A, m³."""
     swept = act.effective_area * position * (1.0 - 0.5 * act.area_change * position / act.travel)
-    return max(act.dead_volume + act.added_volume + swept, SMALLEST_VOLUME * act.dead_volume)
+    return act.dead_volume + act.added_volume + swept
 
 
 def leak_flow(act: Actuator, pressure: float, temperature: float, ambient: float,

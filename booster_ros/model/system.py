@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 from . import discrepancy as term
 from .actuator import (
-    SMALLEST_VOLUME, Actuator, breakaway_friction, chamber_volume, diaphragm_area, energy_rates,
-    has_dry_friction, is_rigid,
-    isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
+    Actuator, breakaway_friction, chamber_volume, diaphragm_area, energy_rates, has_dry_friction,
+    is_rigid, isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
     sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
@@ -45,6 +44,9 @@ MEMORIES = 10
 STATE_OF_VARIABLE = (
     -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION, -1)
 PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
+
+SMALLEST_VOLUME = 0.05
+"""Share of the dead volume that is left whatever is taken off it: a space between solid parts."""
 
 LARGEST_YIELD = 0.5
 """Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
@@ -187,17 +189,22 @@ def chamber_space(p: PositionerParameters, pressure: float, position: float
                   ) -> tuple[float, float, float]:
     """Return the chamber's volume V, m³, dV/dx, m², and its compliance dV/dp, m³/Pa."""
     volume, area = chamber_volume(p.actuator, position), diaphragm_area(p.actuator, position)
+    compliance = 0.0
     table = p.discrepancy
-    if table.location != term.CHAMBER_VOLUME:
-        return volume, area, 0.0
-    by_stem = table.variable == term.VALVE_POSITION
-    value = position if by_stem else pressure
-    volume = max(volume + interpolate(table, value), SMALLEST_VOLUME * p.actuator.dead_volume)
-    steep = slope(table, value)
-    if by_stem:
-        return volume, area + steep, 0.0
-    # a table that falls is no chamber that bursts
-    return volume, area, max(steep, -LARGEST_YIELD * volume / (pressure + ATMOSPHERE))
+    if table.location == term.CHAMBER_VOLUME:
+        by_stem = table.variable == term.VALVE_POSITION
+        value = position if by_stem else pressure
+        volume += interpolate(table, value)
+        if by_stem:
+            area += slope(table, value)
+        else:
+            # a table that falls is no chamber that bursts
+            most = LARGEST_YIELD * volume / (pressure + ATMOSPHERE)
+            compliance = max(slope(table, value), -most)
+    least = SMALLEST_VOLUME * p.actuator.dead_volume
+    if volume < least:  # it stays so small whatever moves: neither makes nor takes gas
+        return least, 0.0, 0.0
+    return volume, area, compliance
 
 
 def net_stem_force(p: PositionerParameters, time: float, current: float, y) -> float:
