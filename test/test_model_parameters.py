@@ -106,6 +106,8 @@ def test_no_parameter_takes_what_is_out_of_its_range(name):
     [
         ({'booster.s1': 5e-6}, r'booster.s1 \(5e-06\) must be greater than booster.s2'),
         ({'booster.s3': 9.28e-6}, 'booster.s2 .* must be greater than booster.s3'),
+        ({'supply.ripple': 400.1e3},
+         r'supply.ripple \(400100\) must not be greater than supply.pressure \(400000 Pa\)'),
         ({'actuator.bench_set': [300e3, 150e3]}, 'actuator.bench_set must rise'),
         ({'actuator.bench_set': [150e3, 150e3]}, 'actuator.bench_set must rise'),
         ({'actuator.bench_set': [150e3]}, 'list of 2 numbers'),

@@ -158,11 +158,14 @@ class _Rule(NamedTuple):
 
 def check_consistent(p: PositionerParameters) -> None:
     """Raise ParameterError where parameters, each fine by itself, contradict each other."""
-    b, a, d = p.booster, p.actuator, p.discrepancy
+    b, s, a, d = p.booster, p.supply, p.actuator, p.discrepancy
     ratio = b.critical_pressure_ratio + b.critical_pressure_ratio_shift
     rules = (
         _Rule(b.s1 > b.s2, f'booster.s1 ({b.s1:g}) must be greater than booster.s2 ({b.s2:g} m^2)'),
         _Rule(b.s2 > b.s3, f'booster.s2 ({b.s2:g}) must be greater than booster.s3 ({b.s3:g} m^2)'),
+        _Rule(s.ripple <= s.pressure,
+              f'supply.ripple ({s.ripple:g}) must not be greater than supply.pressure '
+              f'({s.pressure:g} Pa)'),
         _Rule(a.bench_set[1] > a.bench_set[0],
               f'actuator.bench_set must rise, got [{a.bench_set[0]:g}, {a.bench_set[1]:g}] Pa'),
         _Rule(0.0 <= ratio < 0.99,
