@@ -343,8 +343,9 @@ def breakaway_excess(p: PositionerParameters, time: float, current: float, y) ->
 def seen_current(p: PositionerParameters, memory, current: float) -> float:
     """Return the current that the E/P converter acts on, A, and remember its hysteresis."""
     if p.ep_converter.hysteresis <= 0.0:
-        return current
-    memory[EP_PLAY] = play(memory[EP_PLAY], current, p.ep_converter.hysteresis)
+        memory[EP_PLAY] = current  # from there it goes on once there is one
+    else:
+        memory[EP_PLAY] = play(memory[EP_PLAY], current, p.ep_converter.hysteresis)
     return memory[EP_PLAY]
 
 
