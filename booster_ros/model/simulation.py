@@ -12,8 +12,9 @@ from .kernel import interval, parts_of
 from .solver import new_workspace
 from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
-    CENTRED, MEMORIES, PAST, STANDING, Departure, Outputs, PositionerParameters, booster_force,
-    hold_inactive_states, observe, readings, rest_in_play, settled_past, start_memory)
+    CENTRED, DIRECTION, MEMORIES, PAST, PRESLIDING, STANDING, Departure, Outputs,
+    PositionerParameters, booster_force, dry_friction, hold_inactive_states, is_active, observe,
+    readings, rest_in_play, settled_past, sliding_direction, start_memory, sticks)
 
 DEFAULT_STEP = 1e-3
 """Interval of the stepping plant, s."""
@@ -46,7 +47,8 @@ class Plant:
         """
         The physical parameters; setting them keeps pressures, position and velocity.
 
-        What a term remembers as well, unless the new one follows something else.
+        What a term remembers as well, unless the new one follows something else, and the force of
+        friction: a stem that is stuck stays where it is, one that moves slides on.
         """
         return self._parameters
 
@@ -56,10 +58,15 @@ class Plant:
         if (table.location, table.variable) != (before.location, before.variable):
             self._y[PAST] = settled_past(table, self._seen, self._y)  # as if at rest for long
             rest_in_play(parameters, self._y)
+        y, memory = self._y, self._memory
+        slid = memory[DIRECTION]
+        memory[DIRECTION] = sliding_direction(parameters, y)
+        memory[STANDING] = math.nan  # a step ahead was for other parameters
+        hold_inactive_states(parameters, self.time, y, ())
+        if sticks(self._parameters) and is_active(parameters, PRESLIDING):
+            y[PRESLIDING] = dry_friction(parameters, self.time, self._seen, slid, y)
         self._parameters = parameters
         self._active = active_states(parameters)
-        self._memory[STANDING] = math.nan  # a step ahead was for other parameters
-        hold_inactive_states(parameters, self.time, self._y, ())
 
     @property
     def time(self) -> float:

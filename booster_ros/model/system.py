@@ -309,6 +309,19 @@ def held_force(p: PositionerParameters, time: float, current: float, y) -> float
     return min(max(net_stem_force(p, time, current, y), -most), most)
 
 
+def sliding_direction(p: PositionerParameters, y) -> float:
+    """Return the direction in which a stem slides that can stick; 0: it is exactly still."""
+    return math.copysign(1.0, y[VELOCITY]) if sticks(p) and y[VELOCITY] != 0.0 else 0.0
+
+
+def dry_friction(p: PositionerParameters, time: float, current: float, direction: float, y
+                 ) -> float:
+    """Return the force, N, with which rigid friction opposes a stem that slides so or is stuck."""
+    if direction == 0.0:
+        return held_force(p, time, current, y)
+    return direction * sliding_friction(p.actuator, y[POSITION], y[VELOCITY])
+
+
 def slip_direction(p: PositionerParameters, time: float, current: float, y) -> float:
     """Return the direction in which a stem at rest breaks away, 0 if it stays stuck."""
     force = net_stem_force(p, time, current, y)
@@ -393,7 +406,7 @@ def start_current(p: PositionerParameters, current: float, departure: Departure)
 def start_memory(p: PositionerParameters, current: float, y, first_step: float, memory,
                  departure: Departure = CENTRED) -> None:
     """Fill the memory for a positioner that has been in state `y` for long."""
-    memory[DIRECTION] = 0.0
+    memory[DIRECTION] = sliding_direction(p, y)
     memory[TRIAL_STEP] = first_step
     memory[STIFFNESS] = 0.0
     memory[STEP_AHEAD] = 0.0
