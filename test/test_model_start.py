@@ -6,7 +6,7 @@ import numpy as np
 from positioner_runs import PAPER_CURRENT, current_for, positioner, rows
 import pytest
 
-from booster_ros.model.simulation import simulate
+from booster_ros.model.simulation import Plant, simulate
 from booster_ros.model.start import start_of_readings
 from booster_ros.model.stream import Stream
 from booster_ros.model.system import CENTRED
@@ -30,9 +30,18 @@ def gone_on(values, current, place=WHEN):
     return {name: run[name][place:] for name in again}, again, departure
 
 
+def pushed(variable='valve_position', force=-400.0):
+    """Return values of a force without a name that closes the stem, whatever the variable."""
+    return {'discrepancy.location': 'stem', 'discrepancy.variable': variable,
+            'discrepancy.low': -1e9, 'discrepancy.high': 1e9, 'discrepancy.values': [force] * 12}
+
+
 HIDING = {
     'backlash': {'sensors.position_backlash': 4e-4, 'booster.intake_preload': 0.016,
                  'booster.exhaust_preload': 0.016},
+    'backlash beside a force': {
+        'sensors.position_backlash': 4e-4, 'booster.intake_preload': 0.016,
+        'booster.exhaust_preload': 0.016, **pushed()},
     'hysteresis': {'ep_converter.hysteresis': 5e-6},
     'hysteresis of a valve that leaks': {
         'ep_converter.hysteresis': 5e-6, 'actuator.leak_area': 5e-8},
@@ -119,3 +128,35 @@ def test_a_stem_pressed_against_a_stop_stays_there(pressure, stop, noise):
 
     assert moved(start_of_readings(p, 0.0, current, readings)[0]) < 30.0
     assert moved(readings) > 100.0
+
+
+@pytest.mark.parametrize('variable', [
+    'time', 'control_current', 'back_pressure', 'supply_pressure', 'chamber_pressure',
+    'valve_position', 'stem_velocity', 'control_current_change', 'chamber_pressure_change',
+    'valve_position_change'])
+def test_a_stem_starts_where_all_forces_on_it_balance(variable):
+    plant = Plant(positioner(pushed(variable, -1000.0)))
+    current = float(current_for(225e3))
+    plant.reset(225e3, None, current)
+    started = plant.outputs().valve_position
+    assert started == pytest.approx(0.008 - 1000.0 * 0.016 / (0.0796 * 150e3), abs=1e-7)
+    plant.advance(current, 50)
+    assert plant.outputs().valve_position == pytest.approx(started, abs=1e-6)
+
+
+def test_a_stem_starts_where_a_force_that_goes_by_its_position_balances():
+    """None in mid travel, closing beyond it: its stiffness and that of the spring add up."""
+    values = pushed() | {'discrepancy.low': -1.0, 'discrepancy.high': 1.016,
+                         'discrepancy.values': list(np.linspace(6e5, -6e5, 12))}
+    stiffness = 0.0796 * 150e3 / 0.016 + 12e5 / 2.016
+    current = float(current_for(240e3))
+    run = simulate(positioner(values), np.array([0.0, 0.05]), np.full(2, current),
+                   {'chamber_pressure': 240e3}, compiled=False)
+    assert run['valve_position'] == pytest.approx(0.008 + 0.0796 * 15e3 / stiffness, abs=1e-6)
+
+
+def test_a_stem_that_a_force_presses_against_its_stop_stays_there():
+    p, current = positioner(pushed(force=-3000.0)), float(current_for(180e3))
+    readings = {'chamber_pressure': 180e3, 'valve_position': 25e-6}
+    state = start_of_readings(p, 0.0, current, readings)[0]
+    assert -10e-6 < state['valve_position'] < 0.0

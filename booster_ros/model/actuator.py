@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Actuator: diaphragm chamber and spring-opposed stem."""
 
+from collections.abc import Callable
 import math
 from typing import Annotated, NamedTuple
 
@@ -236,11 +237,13 @@ def stem_acceleration(act: Actuator, force: float, friction: float) -> float:
     return (force + friction) / act.moving_mass
 
 
-def balance_position(act: Actuator, pressure: float) -> float:
+def balance_position(act: Actuator, pressure: float,
+                     extra: Callable[[float], float] = lambda position: 0.0) -> float:
     """
     Return the position, m, at which spring, stops and pressure (gauge, Pa) balance.
 
-    Bisection: the balance has no closed form once the spring is bent or the area changes.
+    `extra` is a further force, N, positive towards open, by the position. Bisection: the balance
+    has no closed form once the spring is bent or the area changes.
     """
     low, high = -0.1 * act.travel, 1.1 * act.travel
     if act.seat_stiffness > 0.0:
@@ -248,7 +251,7 @@ def balance_position(act: Actuator, pressure: float) -> float:
         low -= max(shut_with, 0.0) / act.seat_stiffness
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if stem_force(act, pressure, middle, 0.0, 0.0) > 0.0:
+        if stem_force(act, pressure, middle, 0.0, extra(middle)) > 0.0:
             low = middle
         else:
             high = middle

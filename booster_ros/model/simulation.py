@@ -80,7 +80,7 @@ class Plant:
         """
         Begin anew at a chamber pressure (gauge, Pa), a position (m) and a settled current (A).
 
-        Without a position the stem stands where the spring balances the pressure.
+        Without a position the stem stands where the forces on it balance.
         """
         p = self._parameters
         self._steps = 0

@@ -9,11 +9,12 @@ has hysteresis: what they leave open is taken so that nothing moves, or as littl
 
 from collections.abc import Callable, Mapping
 
-from .actuator import balance_position, has_dry_friction
+from .actuator import has_dry_friction
 from .sensors import position_behind, pressure_behind
 from .stream import settled_state
 from .system import (
     CHAMBER,
+    POSITION,
     STATES,
     Departure,
     PositionerParameters,
@@ -40,7 +41,7 @@ def start_of_readings(
 
     1. Bias and span error of the sensors are taken off.
     2. Of all positions in which a linkage with play may show this reading the stem has that nearest
-       to where spring and pressure balance.
+       to where the forces on it balance.
     3. A stem that friction or an end stop would hold but for what such readings are unsure of
        (`UNSURE`) is held: it has the nearest position at which they do. One further off moves.
     4. In its hysteresis the E/P converter has the place nearest to the middle at which the chamber
@@ -56,7 +57,7 @@ def start_of_readings(
         state['chamber_pressure'] = pressure
         if 'valve_position' in state and sensors.position_backlash > 0.0:
             half, shown = 0.5 * sensors.position_backlash, state['valve_position']
-            balance = balance_position(p.actuator, pressure)
+            balance = _balance(p, time, current, pressure)
             stem = state['valve_position'] = min(max(balance, shown - half), shown + half)
             position_play = (shown - stem) / half
         if 'valve_position' in state:
@@ -66,12 +67,18 @@ def start_of_readings(
     return state, Departure(ep_play=ep_play, position_play=position_play)
 
 
+def _balance(p: PositionerParameters, time: float, current: float, pressure: float) -> float:
+    """Return the position, m, at which the forces on the stem balance, friction aside."""
+    seen = start_current(p, current, Departure())
+    return settled_state(p, seen, pressure, None, time)[POSITION]
+
+
 def _held_position(
     p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
 ) -> float:
     """Return the position, m, at which the stem is held, as read where no such one is near."""
     pressure, read = state['chamber_pressure'], state['valve_position']
-    balance, near = balance_position(p.actuator, pressure), UNSURE * p.actuator.travel
+    balance, near = _balance(p, time, current, pressure), UNSURE * p.actuator.travel
     if has_dry_friction(p.actuator):
         seen = start_current(p, current, Departure())
 

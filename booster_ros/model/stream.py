@@ -9,7 +9,7 @@ import numpy as np
 
 from .actuator import balance_position
 from .compiled import compiled_run
-from .discrepancy import EP_CONVERTER
+from .discrepancy import EP_CONVERTER, STEM
 from .ep_converter import settled_back_pressure
 from .kernel import OBSERVED, run
 from .solver import Workspace, new_workspace
@@ -36,8 +36,8 @@ def settled_state(
     """
     Return the state of a positioner whose E/P converter has settled at `current` (A).
 
-    `chamber_pressure` is gauge, Pa; the stem (m) stands where spring and pressure balance unless
-    `valve_position` says where.
+    `chamber_pressure` is gauge, Pa; the stem (m) stands where the forces on it balance, friction
+    aside, unless `valve_position` says where.
     """
     y = [0.0] * STATES
     y[SUPPLY] = set_pressure(p.supply, time)
@@ -53,10 +53,26 @@ def settled_state(
     if p.discrepancy.location == EP_CONVERTER:
         extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
     y[BACK] = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
+    if valve_position is None and p.discrepancy.location == STEM:
+        _balance_with_term(p, time, current, y)
     rest_in_play(p, y)
     if is_active(p, PRESLIDING):
         y[PRESLIDING] = held_force(p, time, current, y)
     return y
+
+
+def _balance_with_term(p: PositionerParameters, time: float, current: float, y) -> None:
+    """Put the stem to where the forces on it balance, a term among them, and has long been so."""
+
+    def put(position: float) -> None:
+        y[POSITION] = position
+        y[PAST] = settled_past(p.discrepancy, current, y)
+
+    def extra(position: float) -> float:
+        put(position)
+        return discrepancy_at(p.discrepancy, time, current, y, 0.0)
+
+    put(balance_position(p.actuator, y[CHAMBER], extra))
 
 
 def active_states(p: PositionerParameters, pinned: tuple[int, ...] = ()) -> list[int]:
