@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the declared positioner settles, and how fast: figures that follow from its equations."""
 
+from hypothesis import assume, given, settings, strategies
 import numpy as np
 from positioner_runs import PAPER_CURRENT, current_for, positioner, rows, settled_at
 import pytest
 
 from booster_ros.model.actuator import balance_position, stem_force
+from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.simulation import Simulation, simulate
 from booster_ros.paper.indices import step_indices
 from booster_ros.paper.printed import table_3
@@ -55,11 +57,60 @@ def test_full_travel_takes_a_fifteenth_of_a_milliampere():
     assert settle(full, near=295e3)['valve_position'][-1] == pytest.approx(0.016, abs=5e-6)
 
 
-def test_a_vented_stem_rests_as_deep_in_a_soft_seat_as_that_yields():
-    actuator = positioner({'actuator.seat_stiffness': 6e6}).actuator
-    position = balance_position(actuator, 0.0)
-    assert position < -0.1 * actuator.travel
-    assert stem_force(actuator, 0.0, position, 0.0, 0.0) == pytest.approx(0.0, abs=1e-3)
+@pytest.mark.parametrize(('values', 'pressure', 'outside'), [
+    ({'actuator.seat_stiffness': 6e6}, 0.0, 0.1),
+    ({'actuator.stop_stiffness': 5e6}, 0.0, 0.1),
+    ({'actuator.stop_stiffness': 1e5}, 0.0, 0.1),
+    ({'actuator.stop_stiffness': 1e5}, 400e3, 0.1),
+    ({'actuator.travel': 1e-4}, 0.0, 0.1),
+    ({'actuator.effective_area': 10.0, 'actuator.travel': 1e-5}, 400e3, 0.1),
+    ({}, 0.0, 0.0)], ids=str)
+def test_a_stem_at_rest_is_as_deep_in_seat_or_stop_as_these_yield(values, pressure, outside):
+    actuator = positioner(values).actuator
+    position = balance_position(actuator, pressure)
+    assert max(-position, position - actuator.travel) > outside * actuator.travel
+    assert stem_force(actuator, pressure, position, 0.0, 0.0) == pytest.approx(0.0, abs=1e-3)
+
+
+def anything(name: str, smallest: float | None = None):
+    """Return a strategy for an actuator's parameter in its bounds, by magnitude where told."""
+    low, high = (getattr(DESCRIPTIONS[f'actuator.{name}'], end) for end in ('low', 'high'))
+    if smallest is None:
+        return strategies.floats(low, high)
+    exponents = strategies.floats(np.log10(smallest), np.log10(high))
+    return exponents.map(lambda exponent: float(np.clip(10.0**exponent, low, high)))
+
+
+SIZES = {name: anything(name, smallest) for name, smallest in {
+    'travel': 1e-5, 'stop_stiffness': 1e5, 'effective_area': 1e-6, 'seat_stiffness': 1e3,
+    'seat_depth': 1e-6, 'flow_force_decay': 0.01}.items()}
+FORCES = {name: anything(name) for name in (
+    'area_change', 'bench_set_shift', 'spring_bend', 'spring_s_curve', 'spring_excess',
+    'seat_load', 'flow_force')}
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(values=strategies.fixed_dictionaries({}, optional=SIZES | FORCES),
+       pressure=strategies.floats(-100e3, 2e6))
+def test_whatever_is_allowed_the_force_on_a_balanced_stem_turns_where_it_stands(values, pressure):
+    act = positioner({f'actuator.{name}': value for name, value in values.items()}).actuator
+    softest = act.stop_stiffness
+    if act.seat_stiffness > 0.0:
+        softest = 1.0 / (1.0 / act.seat_stiffness + 1.0 / softest)
+    span = act.bench_set[1] - act.bench_set[0] + act.area_change * pressure
+    assume(softest + act.effective_area * span / act.travel > 0.1 * softest)  # else it runs away
+    position = balance_position(act, pressure)
+    apart = 1e-9 * (act.travel + abs(position))
+    below, above = (
+        stem_force(act, pressure, position + side * apart, 0.0, 0.0) for side in (-1.0, 1.0))
+    assert below > 0.0 > above
+
+
+def test_a_stem_that_no_stop_can_hold_starts_at_one():
+    """Its area grows in the soft stop by more than that pushes back."""
+    act = positioner({'actuator.area_change': -0.9, 'actuator.stop_stiffness': 1e5,
+                      'actuator.travel': 1e-4}).actuator
+    assert balance_position(act, 400e3) == act.travel
 
 
 def test_position_is_the_spring_balance():

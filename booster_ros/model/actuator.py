@@ -237,6 +237,10 @@ def stem_acceleration(act: Actuator, force: float, friction: float) -> float:
     return (force + friction) / act.moving_mass
 
 
+DOUBLINGS = 40
+"""A tenth of the travel doubled so often is further than any stop yields."""
+
+
 def balance_position(act: Actuator, pressure: float,
                      extra: Callable[[float], float] = lambda position: 0.0) -> float:
     """
@@ -245,13 +249,24 @@ def balance_position(act: Actuator, pressure: float,
     `extra` is a further force, N, positive towards open, by the position. Bisection: the balance
     has no closed form once the spring is bent or the area changes.
     """
+
+    def net_force(position: float) -> float:
+        return stem_force(act, pressure, position, 0.0, extra(position))
+
     low, high = -0.1 * act.travel, 1.1 * act.travel
-    if act.seat_stiffness > 0.0:
-        shut_with = spring_force(act, 0.0) + act.effective_area * ATMOSPHERE
-        low -= max(shut_with, 0.0) / act.seat_stiffness
+    for doublings in range(DOUBLINGS):
+        beyond = 0.1 * act.travel * 2.0**doublings
+        if net_force(low) < 0.0:  # it is pressed further into its stop, or seat, than that
+            low, high = low - beyond, low
+        elif net_force(high) > 0.0:
+            low, high = high, high + beyond
+        else:
+            break
+    else:  # an area that grows in the stop by more than that pushes back: no balance
+        return 0.0 if net_force(low) < 0.0 else act.travel
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if stem_force(act, pressure, middle, 0.0, extra(middle)) > 0.0:
+        if net_force(middle) > 0.0:
             low = middle
         else:
             high = middle
