@@ -160,3 +160,12 @@ def test_a_stem_that_a_force_presses_against_its_stop_stays_there():
     readings = {'chamber_pressure': 180e3, 'valve_position': 25e-6}
     state = start_of_readings(p, 0.0, current, readings)[0]
     assert -10e-6 < state['valve_position'] < 0.0
+
+
+def test_a_supply_that_droops_starts_at_what_it_is_at_no_flow():
+    values = {'discrepancy.location': 'supply', 'discrepancy.low': -1.0, 'discrepancy.high': 1e3,
+              'discrepancy.values': [10e3] * 12,
+              'supply.droop': 2e7, 'supply.droop_time_constant': 1.0}
+    time = np.array([0.0, 0.5, 2.0])
+    run = simulate(positioner(values), time, np.zeros(3), compiled=False)
+    assert run['supply_pressure'] == pytest.approx(410e3, abs=1.0)

@@ -13,11 +13,11 @@ from .discrepancy import EP_CONVERTER, STEM
 from .ep_converter import settled_back_pressure
 from .kernel import OBSERVED, run
 from .solver import Workspace, new_workspace
-from .supply import set_pressure
 from .system import (
     BACK, CENTRED, CHAMBER, MEMORIES, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES,
     SUPPLY, TEMPERATURE, Departure, Outputs, PositionerParameters, discrepancy_at, held_force,
-    hold_inactive_states, is_active, rest_in_play, settled_past, start_current, start_memory)
+    hold_inactive_states, is_active, rest_in_play, settled_past, start_current, start_memory,
+    undrawn_supply)
 
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""
@@ -40,7 +40,7 @@ def settled_state(
     aside, unless `valve_position` says where.
     """
     y = [0.0] * STATES
-    y[SUPPLY] = set_pressure(p.supply, time)
+    y[SUPPLY] = undrawn_supply(p, time)
     y[CHAMBER] = chamber_pressure
     y[OUTLET] = chamber_pressure
     y[TEMPERATURE] = p.supply.temperature
