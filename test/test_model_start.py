@@ -36,6 +36,13 @@ def pushed(variable='valve_position', force=-400.0):
             'discrepancy.low': -1e9, 'discrepancy.high': 1e9, 'discrepancy.values': [force] * 12}
 
 
+def sensor_term(location, variable, low, high, size):
+    """Return values of a sensor's term without a name that bends between two of the variable."""
+    return {'discrepancy.location': location, 'discrepancy.variable': variable,
+            'discrepancy.low': low, 'discrepancy.high': high,
+            'discrepancy.values': [size * (0.5 + (k / 11.0)**2) for k in range(12)]}
+
+
 HIDING = {
     'backlash': {'sensors.position_backlash': 4e-4, 'booster.intake_preload': 0.016,
                  'booster.exhaust_preload': 0.016},
@@ -47,6 +54,13 @@ HIDING = {
         'ep_converter.hysteresis': 5e-6, 'actuator.leak_area': 5e-8},
     'hysteresis behind a tube': {
         'ep_converter.hysteresis': 5e-6, 'tubing.restriction_area': 2e-6},
+    'a term of the pressure sensor': {
+        'ep_converter.hysteresis': 5e-6, 'sensors.pressure_bias': 3e3,
+        **sensor_term('pressure_sensor', 'chamber_pressure', 0.0, 300e3, 8e3)},
+    'a term of the position sensor': {
+        'sensors.position_backlash': 4e-4, 'booster.intake_preload': 0.016,
+        'booster.exhaust_preload': 0.016, 'sensors.position_span_error': 0.05,
+        **sensor_term('position_sensor', 'valve_position', -1e-3, 17e-3, -2e-3)},
     'bias': {'sensors.pressure_bias': 3e3, 'sensors.position_bias': 5e-4,
              'sensors.position_span_error': 0.05},
 }
@@ -80,6 +94,25 @@ def test_readings_of_one_channel_or_none_will_do():
     assert start_of_readings(p, 0.0, PAPER_CURRENT, {})[0] == {}
     for name, value in (('chamber_pressure', 187654.0), ('valve_position', 0.0061)):
         assert start_of_readings(p, 0.0, PAPER_CURRENT, {name: value})[0] == {name: value}
+
+
+@pytest.mark.parametrize(('location', 'name', 'size'), [
+    ('pressure_sensor', 'chamber_pressure', 5e3), ('position_sensor', 'valve_position', -1e-3)])
+@pytest.mark.parametrize(('variable', 'low', 'high'), [
+    ('time', -1.0, 1e3), ('control_current', 0.0, 1e-3), ('back_pressure', 0.0, 300e3),
+    ('chamber_pressure', 0.0, 300e3), ('valve_position', 0.0, 0.016),
+    ('booster_force', -1.0, 1.0), ('chamber_pressure_change', -1e5, 1e5)])
+def test_the_first_row_reads_what_was_given(location, name, size, variable, low, high):
+    """Whatever the sensor's term goes by, and whether both readings are given or its own alone."""
+    p = positioner(sensor_term(location, variable, low, high, size))
+    both = {'chamber_pressure': 200e3, 'valve_position': 5e-3}
+    for readings in (both, {name: both[name]}):
+        state, departure = start_of_readings(p, 0.0, 0.43e-3, readings)
+        first = Stream(p, 0.0, 0.43e-3, state, compiled=False, departure=departure).advance(
+            np.zeros(1), np.full(1, 0.43e-3))
+        for reading, value in readings.items():
+            assert first[f'measured_{reading}'][0] == pytest.approx(value, rel=1e-8)
+        assert abs(first[name][0] - readings[name]) > 0.001 * abs(size)
 
 
 RIGID = {'actuator.coulomb_friction': 500.0, 'actuator.stiction': 200.0}

@@ -3,13 +3,15 @@
 """
 The state in which a positioner starts, seen through its sensors.
 
-Readings are not the state where a sensor is biased, its linkage has play, or the E/P converter
-has hysteresis: what they leave open is taken so that nothing moves, or as little as can be.
+Readings are not the state where a sensor is biased or has a term, its linkage has play, or the E/P
+converter has hysteresis: what they leave open is taken so that nothing moves, or as little as can
+be.
 """
 
 from collections.abc import Callable, Mapping
 
 from .actuator import has_dry_friction
+from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
 from .sensors import position_behind, pressure_behind
 from .stream import settled_state
 from .system import (
@@ -18,13 +20,21 @@ from .system import (
     STATES,
     Departure,
     PositionerParameters,
+    booster_force,
     breakaway_excess,
     derivatives,
+    discrepancy_at,
     start_current,
 )
 
+Start = tuple[dict[str, float], Departure]
+"""An initial state, by name, and how far from settled and centred it is."""
+
+READING_WITH_TERM = {PRESSURE_SENSOR: 'chamber_pressure', POSITION_SENSOR: 'valve_position'}
+"""The reading that a term is part of, by its location."""
+
 BISECTIONS = 30
-"""Halvings of a play in search of a place in it: to a billionth of its width."""
+"""Halvings of a play, or a term, in search of a place in it: to a billionth of its width."""
 
 UNSURE = 0.01
 """Share of the travel by which readings of pressure and position may miss the stem's balance."""
@@ -32,14 +42,14 @@ UNSURE = 0.01
 
 def start_of_readings(
     p: PositionerParameters, time: float, current: float, readings: Mapping[str, float]
-) -> tuple[dict[str, float], Departure]:
+) -> Start:
     """
     Return the initial state and the departure from settled for `Stream` to start from.
 
     `readings` may have chamber_pressure (Pa gauge) and valve_position (m) at `time` (s), when the
     control current is `current` (A).
 
-    1. Bias and span error of the sensors are taken off.
+    1. Bias, span error and term of the sensors are taken off.
     2. Of all positions in which a linkage with play may show this reading the stem has that nearest
        to where the forces on it balance.
     3. A stem that friction or an end stop would hold but for what such readings are unsure of
@@ -47,6 +57,34 @@ def start_of_readings(
     4. In its hysteresis the E/P converter has the place nearest to the middle at which the chamber
        neither fills nor empties: after a rise of the current it is at the lower end.
     """
+    return _start_without_term(p, time, current, _term_taken_off(p, time, current, readings))
+
+
+def _term_taken_off(
+    p: PositionerParameters, time: float, current: float, readings: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the readings as they were without the term, which may go by what they tell of."""
+    name = READING_WITH_TERM.get(p.discrepancy.location, '')
+    if name not in readings:
+        return dict(readings)
+    read = readings[name]
+
+    def term(reading: float) -> float:
+        state, departure = _start_without_term(p, time, current, {**readings, name: reading})
+        seen = start_current(p, current, departure)
+        y = settled_state(
+            p, seen, state.get('chamber_pressure', 0.0), state.get('valve_position'), time)
+        return discrepancy_at(p.discrepancy, time, seen, y, booster_force(p, time, seen, y))
+
+    least, most = min(*p.discrepancy.values, 0.0), max(*p.discrepancy.values, 0.0)
+    nearly = _nearest(lambda reading: reading + term(reading) < read, read - most, read - least)
+    return {**readings, name: read - term(nearly)}  # one that is constant goes to the last bit
+
+
+def _start_without_term(
+    p: PositionerParameters, time: float, current: float, readings: Mapping[str, float]
+) -> Start:
+    """Return the start by readings that no term is part of."""
     sensors = p.sensors
     state: dict[str, float] = {}
     position_play = ep_play = 0.0
