@@ -71,7 +71,37 @@ def test_tubing_outlet_leads_the_chamber_while_air_flows_and_equals_it_at_rest()
     assert np.corrcoef(lead[filling], run['mass_flow'][filling])[0, 1] > 0.8
 
 
+@pytest.mark.parametrize('critical', [0.5283, 0.3])
+def test_a_tube_chokes_at_a_critical_ratio_of_its_own(critical):
+    """A chamber of fixed volume fills from an outlet that is given: q = V/(R T) dP/dt."""
+    area, outlet, time = 2e-7, 400e3, rows(6.0)
+    run = simulate(
+        positioner({'tubing.restriction_area': area,
+                    'tubing.critical_pressure_ratio': critical}), time, np.zeros_like(time),
+        pinned={name: np.full_like(time, value) for name, value in {
+            'outlet_pressure': outlet, 'valve_position': 0.0, 'stem_velocity': 0.0}.items()})
+    flow = 0.185e-3 / (287.0 * 293.15) * np.gradient(run['chamber_pressure'], time)
+    ratio = (run['chamber_pressure'] + ATMOSPHERE) / (outlet + ATMOSPHERE)
+    beyond = np.maximum(ratio - critical, 0.0) / (1.0 - critical)
+    choked = 0.0404184 * area * (outlet + ATMOSPHERE) / math.sqrt(293.15)
+    looked_at = slice(1, int(np.argmax(ratio > 0.9)))
+    assert np.any(beyond[looked_at] == 0.0)
+    assert flow[looked_at] / choked == pytest.approx(
+        np.sqrt(1.0 - beyond[looked_at]**2), abs=5e-3)
+
+
 # chamber
+
+
+def test_a_chamber_that_leaks_cools_as_its_gas_expands():
+    """Nothing warms it: T goes as P to the (γ - 1)/γ."""
+    time = rows(20.0)
+    run = cut_off({'actuator.leak_area': 5e-8, 'actuator.thermal_resistance': 1e4}, 145e3, time)
+    absolute = run['chamber_pressure'] + ATMOSPHERE
+    expected = 293.15 * (absolute / absolute[0])**(0.4 / 1.4)
+    assert run['gas_temperature'][-1] < 293.15 - 30.0
+    # the end stop gives way a little less, and what heat there is comes in
+    assert run['gas_temperature'] == pytest.approx(expected, abs=1.5)
 
 
 def test_chamber_leak_decays_on_and_on():
