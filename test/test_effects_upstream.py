@@ -214,6 +214,18 @@ def test_plug_flow_force_makes_the_opening_stiffer_with_the_pressure_drop(supply
     assert run['intake_area'][-1] == pytest.approx(1.45e-6)
 
 
+@pytest.mark.parametrize('outlet', [100e3, 300e3])
+def test_plug_flow_force_makes_the_exhaust_stiffer_with_the_pressure_that_it_vents(outlet):
+    """As the intake, with the drop to the atmosphere; the intake stays shut meanwhile."""
+    c = 0.77
+    back = (-FORCES + 400e3 * 6.14e-6 + outlet * 3.14e-6) / 13.52e-6
+    run = bench({'booster.exhaust_flow_force': c}, back, np.full(400, outlet))
+    slope = run['exhaust_area'][5] / -run['booster_force'][5]
+    assert 1.0 / slope == pytest.approx(1.0 / 2.75e-6 + c * outlet, rel=1e-6)
+    assert run['exhaust_area'][-1] == pytest.approx(1.45e-6)
+    assert np.all(run['intake_area'] == 0.0)
+
+
 def test_critical_pressure_ratio_moves_the_end_of_choking_only():
     chamber = np.linspace(0.0, 390e3, 400)
     back = np.full(400, 400e3)
@@ -224,6 +236,19 @@ def test_critical_pressure_ratio_moves_the_end_of_choking_only():
     assert np.all(low[choked] == declared[choked])
     beyond = ratio > 0.5283 - 0.2
     assert np.all(low[beyond] < declared[beyond])
+
+
+@pytest.mark.parametrize('shift', [0.0, -0.25, 0.2])
+def test_the_exhaust_chokes_at_the_shifted_ratio_too(shift):
+    """Wide open, its flow over the ratio of the pressures is the ellipse that begins there."""
+    chamber = np.linspace(0.2e3, 390e3, 400)
+    flow = bench({'booster.critical_pressure_ratio_shift': shift}, np.zeros(400), chamber)[
+        'mass_flow']
+    critical = 0.5283 + shift
+    beyond = np.maximum(ATMOSPHERE / (chamber + ATMOSPHERE) - critical, 0.0) / (1.0 - critical)
+    assert np.any(beyond == 0.0)
+    choked = CHOKED * 1.45e-6 * (chamber + ATMOSPHERE)
+    assert -flow == pytest.approx(choked * np.sqrt(1.0 - beyond**2), rel=1e-4)
 
 
 def test_supply_droop_shows_while_much_flows_and_is_gone_at_rest():
