@@ -4,6 +4,7 @@
 
 import os
 from pathlib import Path
+import re
 
 from hypothesis import given, settings, strategies as st
 import pytest
@@ -62,14 +63,15 @@ def test_dotted_names_lists_and_the_nodes_own_parameters(file):
     assert read.node == {'publish_rate': 50.0, 'invalid_current': 'limit'}
 
 
-def test_a_section_for_the_node_overrides_the_general_one_wherever_it_stands(file):
-    path = file(
-        section('publish_rate: 20.0', 'positioner')
-        + section('publish_rate: 10.0\nstep_ticks: 3')
-        + section('anything: 1', 'fake_controller'))
+def test_a_section_overrides_those_above_it_that_are_for_the_node_as_well(file):
+    own = section('publish_rate: 20.0', 'positioner')
+    general = section('publish_rate: 10.0\nstep_ticks: 3')
+    other = section('anything: 1', 'fake_controller')
+    path = file(general + own + other)
     assert read_parameter_file(path).node == {'publish_rate': 20.0, 'step_ticks': 3}
     assert read_parameter_file(path, '/positioner').node['publish_rate'] == 20.0
     assert read_parameter_file(path, '/a/positioner').node['publish_rate'] == 10.0
+    assert read_parameter_file(file(own + general)).node['publish_rate'] == 10.0
 
 
 def test_nested_namespaces(file):
@@ -80,12 +82,31 @@ def test_nested_namespaces(file):
         read_parameter_file(path, '/line_b/positioner')
 
 
-def test_two_positioners_in_one_file_must_be_told_apart(file):
-    path = file(section('step_ticks: 1', '/a/positioner') + section(
-        'step_ticks: 2', '/b/positioner'))
-    with pytest.raises(ParameterError, match='/a/positioner, /b/positioner: more than one'):
+@pytest.mark.parametrize(('first', 'second'), [
+    ('/a/positioner', '/b/positioner'), ('/a/**', '/b/**'), ('/a/positioner', '/b/*'),
+    ('/a/positioner', '/positioner'), ('/*', '/a/positioner'), ('/a/**/positioner', '/b/**'),
+])
+def test_two_positioners_in_one_file_must_be_told_apart(file, first, second):
+    path = file(section('publish_rate: 50') + section('step_ticks: 1', first) + section(
+        'step_ticks: 2', second))
+    told = ', '.join(sorted((first, second)))
+    with pytest.raises(ParameterError, match=re.escape(f'for {told}: more than one positioner')):
         read_parameter_file(path)
+
+
+def test_of_two_positioners_in_one_file_the_full_name_tells_which(file):
+    path = file(section('step_ticks: 1', '/a/positioner') + section('step_ticks: 2', '/b/**'))
+    assert read_parameter_file(path, '/a/positioner').node == {'step_ticks': 1}
     assert read_parameter_file(path, '/b/positioner').node == {'step_ticks': 2}
+
+
+@pytest.mark.parametrize('names', [
+    ('/a/**', '/a/positioner'), ('/a/*', '/a/**'), ('/*/positioner', '/a/*'),
+    ('/a/b/**', '/a/**/positioner', '/**/b/positioner'),
+])
+def test_sections_that_one_positioner_reads_are_taken_together(file, names):
+    text = ''.join(section(f'step_ticks: {k}', name) for k, name in enumerate(names, 1))
+    assert read_parameter_file(file(text)).node == {'step_ticks': len(names)}
 
 
 @pytest.mark.parametrize(('text', 'sentence'), [

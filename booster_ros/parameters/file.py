@@ -18,7 +18,7 @@ from ..model.parameters import DESCRIPTIONS, Description, ParameterError, to_val
 from ..model.quantity import Quantity
 from ..model.system import PositionerParameters
 from .schema import NODE_DESCRIPTIONS, belongs_to_ros, check, checked
-from .sections import ANY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
+from .sections import ANY_NODE, EVERY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
 
 
 class ParameterFile(NamedTuple):
@@ -33,9 +33,10 @@ def read_parameter_file(path: str | Path, node: str = 'positioner') -> Parameter
     """
     Return what a parameter file holds for a node, given by its name or its full name.
 
-    Sections for any node (`/**`) come first, those for this node override them. ParameterError
-    (one sentence naming file, line and parameter) for a file that cannot be read, misspelt or
-    unknown names, wrong kinds, ranges and contradictions, and when nothing in it is for the node.
+    The last section that is for the node counts, as in ROS 2: `/**` below a node's own section
+    overrides it. ParameterError (one sentence naming file, line and parameter) for a file that
+    cannot be read, misspelt or unknown names, wrong kinds, ranges and contradictions, and when
+    nothing in it is for the node, or not all of it for one node of that name.
     """
     values: dict[str, Any] = {}
     for section in _sections_for(path, read_sections(path), node):
@@ -63,24 +64,31 @@ def section_values(path: str | Path, section: Section) -> dict[str, Any]:
 
 
 def _sections_for(path: str | Path, sections: list[Section], node: str) -> list[Section]:
-    """Return the sections that a node reads, the general ones first."""
+    """Return the sections that a node reads, in the order in which they are given."""
     if '/' in node:
         found = [section for section in sections if is_for(section.node, node)]
     else:
         found = [section for section in sections if section.node.rsplit('/', 1)[-1] in
                  (node, *ANY_NODE)]
-    named = sorted({section.node for section in found if not _is_general(section)})
-    if len(named) > 1:
-        raise ParameterError(
-            f'{path}: has sections for {", ".join(named)}: more than one {node}')
+        _check_one_node(path, [section.node for section in found], node)
     if not found:
         there = ', '.join(section.node for section in sections) or 'none'
         raise ParameterError(f'{path}: has no section for {node} (sections: {there})')
-    return sorted(found, key=_is_general, reverse=True)
+    return found
 
 
-def _is_general(section: Section) -> bool:
-    return any(part in ANY_NODE for part in section.node.split('/'))
+def _check_one_node(path: str | Path, names: list[str], node: str) -> None:
+    """Raise ParameterError unless one node of this name, in some namespace, reads all sections."""
+    instances = [_instance(name, node) for name in names]
+    if names and not any(all(is_for(name, one) for name in names) for one in instances):
+        told = ', '.join(sorted({name for name in names if name != EVERY_NODE}))
+        raise ParameterError(f'{path}: has sections for {told}: more than one {node}')
+
+
+def _instance(section: str, node: str) -> str:
+    """Return a full name, ending in `node`, that a section's name with its wildcards means."""
+    *namespaces, _ = section.split('/')
+    return '/'.join([*(part for part in namespaces if part != '**'), node])
 
 
 def write_parameter_file(
@@ -121,7 +129,7 @@ def parameter_text(
 ) -> str:
     """Return the text of a parameter file, see `write_parameter_file`."""
     lines = [f'# {line}'.rstrip() for line in heading.splitlines()]
-    lines += ['/**:', f'  {PARAMETERS_KEY}:']
+    lines += [f'{EVERY_NODE}:', f'  {PARAMETERS_KEY}:']
     component = ''
     for name, value, description in _entries(parameters, node):
         before, _, field = name.rpartition('.')

@@ -19,6 +19,7 @@ from ..model.parameters import ParameterError
 
 PARAMETERS_KEY = 'ros__parameters'
 ANY_NODE = ('*', '**')
+EVERY_NODE = '/**'
 
 
 class Entry(NamedTuple):
@@ -30,10 +31,16 @@ class Entry(NamedTuple):
 
 
 class Section(NamedTuple):
-    """What a file holds for the nodes that `node` names, such as `/**` or `/a/positioner`."""
+    """What a file holds for the nodes that a name means, such as `/**` or `/a/positioner`."""
 
-    node: str
+    written: str
+    """The name as the file has it, nested ones joined by slashes."""
     entries: tuple[Entry, ...]
+
+    @property
+    def node(self) -> str:
+        """The name from the root on, however it is written."""
+        return '/' + '/'.join(part for part in self.written.split('/') if part)
 
 
 class _Loader(yaml.SafeLoader):
@@ -48,7 +55,11 @@ _Loader.add_implicit_resolver(
 
 
 def read_sections(path: str | Path) -> list[Section]:
-    """Return the sections of a parameter file; ParameterError names the file and the line."""
+    """
+    Return the sections of a parameter file in an order in which later ones override earlier ones.
+
+    ParameterError names the file and the line.
+    """
     try:
         text = Path(path).read_text(encoding='utf-8')
     except (OSError, UnicodeDecodeError) as error:
@@ -56,7 +67,7 @@ def read_sections(path: str | Path) -> list[Section]:
         raise ParameterError(f'{path}: cannot be read: {reason}') from None
     try:
         loader = _Loader(text)
-        return list(_sections(loader, loader.get_single_node(), ''))
+        return _in_order(list(_sections(loader, loader.get_single_node(), '')))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f', line {mark.line + 1}' if mark is not None else ''
@@ -65,6 +76,16 @@ def read_sections(path: str | Path) -> list[Section]:
         raise ParameterError(f'{path}: not YAML: {" ".join(str(error).split())}') from None
     except _LayoutError as error:
         raise ParameterError(f'{path}{error}') from None
+
+
+def _in_order(sections: list[Section]) -> list[Section]:
+    """
+    Return the sections as rcl has them override each other: as they stand in the file.
+
+    Those whose names are written alike are one to rcl, which stands where the first of them does.
+    """
+    names = [section.written for section in sections]
+    return sorted(sections, key=lambda section: names.index(section.written))
 
 
 class _LayoutError(Exception):
@@ -92,7 +113,7 @@ def _sections(loader: _Loader, node: yaml.Node | None, name: str) -> Iterator[Se
                     'for any node')
             yield Section(name, tuple(_checked(_entries(loader, value, ''))))
         else:
-            yield from _sections(loader, value, f'{name}/{key.strip("/")}')
+            yield from _sections(loader, value, f'{name}/{key}' if name else key)
 
 
 def _entries(loader: _Loader, node: yaml.Node, name: str) -> Iterator[Entry]:
