@@ -10,7 +10,6 @@ next tick, parameters change between ticks. `docs/node.md` describes topics, ser
 from collections.abc import Sequence
 import sys
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
@@ -28,18 +27,11 @@ from .declaration import (
     effective_values,
     files_without_section,
 )
-from .diagnostics import (
-    ClockState,
-    Report,
-    command_report,
-    diagnostic_message,
-    parameter_report,
-    seconds,
-    time_report,
-)
+from .diagnostics import seconds
 from .node_time import NodeTime
-from .outputs import OutputPublishers, quiet_publisher
+from .outputs import OutputPublishers
 from .process import run
+from .reporting import Reporter
 from .throttle import Throttle
 from .tick_clock import NANOSECONDS, TickClock, nanoseconds
 
@@ -83,10 +75,8 @@ class Positioner(Node):
         self._throttle = Throttle(nanoseconds(WARNING_PERIOD))
 
         self._outputs = OutputPublishers(self)
-        self._diagnostics = quiet_publisher(self, DiagnosticArray, '/diagnostics')
-        self._reported: tuple[int, ...] = ()
-        self._late_reported = self._bad_reported = 0
-        self._clock_reported = -1
+        self._reporter = Reporter(
+            self, self._time, self._ticks, self._guard, self._watch, lambda: self._paused)
         self._commands = self.create_subscription(
             Float64, 'control_current', self._on_command, EVENT_DEPTH)
         self.create_service(Trigger, '~/reset', self._on_reset)
@@ -177,7 +167,7 @@ class Positioner(Node):
             return
         if self._throttle.passes(verdict.cause, self._steady_now()):
             self.get_logger().warning(self._bad_command_text(message.data, verdict))
-        self._report_change()
+        self._reporter.report_change()
 
     def _bad_command_text(self, current: float, verdict: Verdict) -> str:
         low, high = self._guard.rules.low, self._guard.rules.high
@@ -195,7 +185,7 @@ class Positioner(Node):
             self.get_logger().warning(
                 f'control_current is older than command_timeout ({rules.command_timeout:g} s): '
                 f'{rules.stale_command}')
-        self._report_change()
+        self._reporter.report_change()
 
     def _steady_now(self) -> int:
         return self._steady_clock.now().nanoseconds
@@ -209,7 +199,7 @@ class Positioner(Node):
         if parameters.physical != self._plant.parameters:
             self._plant.parameters = parameters.physical
         self.get_logger().info(f'parameters changed: {self._watch.last_change}')
-        self._report()
+        self._reporter.report()
 
     # Services
 
@@ -223,7 +213,7 @@ class Positioner(Node):
         self._put_into_initial_state()
         last_tick = self._ticks.next_due - self._ticks.period
         self._outputs.publish(self._plant, last_tick + self._time.stamp_offset())
-        self._report()
+        self._reporter.report()
         state = self._settings.initial_state
         response.success = True
         response.message = (
@@ -243,7 +233,7 @@ class Positioner(Node):
                 self._begin()
                 self._timer.reset()
             self.get_logger().info(response.message)
-            self._report()
+            self._reporter.report()
         return response
 
     def _on_step(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -271,36 +261,12 @@ class Positioner(Node):
 
     # Diagnostics
 
-    def _reports(self) -> list[Report]:
-        now = self._time.now()
-        clock = ClockState(
-            self._time.follows_clock_topic, now > 0, now == self._clock_reported, self._paused)
-        return [
-            time_report(clock, self._ticks, self._late_reported),
-            command_report(self._guard, self._bad_reported),
-            parameter_report(self._watch.changes, self._watch.last_change),
-        ]
-
     def _on_diagnostics(self) -> None:
-        self._report()
+        self._reporter.report_regularly()
         if self._time.follows_clock_topic and self._time.now() == 0 and self._throttle.passes(
                 'no /clock', self._steady_now()):
             self.get_logger().warning(
                 'use_sim_time is true, but nothing has come on /clock: simulated time stands')
-        self._late_reported = self._ticks.late_ticks
-        self._bad_reported = self._guard.bad
-        self._clock_reported = self._time.now()
-
-    def _report(self) -> None:
-        reports = self._reports()
-        self._reported = tuple(report.level for report in reports)
-        self._diagnostics.publish(diagnostic_message(
-            reports, self.get_fully_qualified_name(), self.get_clock().now().to_msg()))
-
-    def _report_change(self) -> None:
-        """Report at once if something has become better or worse."""
-        if tuple(report.level for report in self._reports()) != self._reported:
-            self._report()
 
 
 def _rules(settings: NodeSettings) -> CommandRules:

@@ -1,0 +1,72 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""When a positioner reports on /diagnostics: regularly, and when it becomes better or worse."""
+
+from collections.abc import Callable
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from .command_guard import CommandGuard
+from .declaration import ParameterWatch
+from .diagnostics import (
+    ClockState,
+    Report,
+    command_report,
+    diagnostic_message,
+    parameter_report,
+    time_report,
+)
+from .node_time import NodeTime
+from .outputs import quiet_publisher
+from .tick_clock import TickClock
+
+
+class Reporter:
+    """Publishes the reports of a positioner; `is_paused` tells whether it was paused by service."""
+
+    def __init__(
+        self, node: Node, time: NodeTime, ticks: TickClock, guard: CommandGuard,
+        watch: ParameterWatch, is_paused: Callable[[], bool],
+    ) -> None:
+        self._node = node
+        self._time = time
+        self._ticks = ticks
+        self._guard = guard
+        self._watch = watch
+        self._is_paused = is_paused
+        self._publisher = quiet_publisher(node, DiagnosticArray, '/diagnostics')
+        self._reported: tuple[int, ...] = ()
+        self._late_reported = self._bad_reported = 0
+        self._clock_reported = -1
+
+    def report_regularly(self) -> None:
+        """Report, and from now on on what has been since."""
+        self.report()
+        self._late_reported = self._ticks.late_ticks
+        self._bad_reported = self._guard.bad
+        self._clock_reported = self._time.now()
+
+    def report_change(self) -> None:
+        """Report at once if something has become better or worse."""
+        if tuple(report.level for report in self._reports()) != self._reported:
+            self.report()
+
+    def report(self) -> None:
+        """Report at once."""
+        reports = self._reports()
+        self._reported = tuple(report.level for report in reports)
+        self._publisher.publish(diagnostic_message(
+            reports, self._node.get_fully_qualified_name(),
+            self._node.get_clock().now().to_msg()))
+
+    def _reports(self) -> list[Report]:
+        now = self._time.now()
+        clock = ClockState(
+            self._time.follows_clock_topic, now > 0, now == self._clock_reported,
+            self._is_paused())
+        return [
+            time_report(clock, self._ticks, self._late_reported),
+            command_report(self._guard, self._bad_reported),
+            parameter_report(self._watch.changes, self._watch.last_change),
+        ]
