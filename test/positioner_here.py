@@ -1,13 +1,16 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node `positioner` in the process of the test: its parameters and moments can be looked at."""
+"""The node `positioner` in the process of the test, which can look and reach into it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 import contextlib
+import threading
 
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from booster_ros.nodes.positioner import Positioner
@@ -26,3 +29,17 @@ def positioner_here(*ros_arguments: str) -> Iterator[Positioner]:
             node.destroy_node()
     finally:
         rclpy.try_shutdown()
+
+
+@contextlib.contextmanager
+def spinning(node: Node) -> Iterator[None]:
+    """Spin the node beside the test."""
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    thread = threading.Thread(target=executor.spin)
+    thread.start()
+    try:
+        yield
+    finally:
+        executor.shutdown()
+        thread.join()

@@ -1,6 +1,10 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What `/diagnostics` says about a positioner: one report each on time, command and parameters."""
+"""
+What `/diagnostics` says about a positioner.
+
+One report each on time, simulation, command and parameters.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,7 +17,7 @@ from ..parameters.schema import VENT
 from .command_guard import CommandGuard
 from .tick_clock import NANOSECONDS, TickClock
 
-OK, WARN = 0, 1
+OK, WARN, ERROR = 0, 1, 2
 """Levels of a report, as diagnostic_msgs numbers them."""
 
 HARDWARE = 'simulated positioner'
@@ -38,6 +42,22 @@ class ClockState(NamedTuple):
     """The clock showed the same time at the last report."""
     paused: bool
     """The simulation was paused by service."""
+
+
+class Loss(NamedTuple):
+    """That the state of the model was lost: it is not finite any more, and stays so."""
+
+    moment: int
+    """Simulated time, ns, of the tick that could not be published."""
+    reset: str
+    """The name of the service that gives the model a state again."""
+
+    def __str__(self) -> str:
+        """Return the sentence that says so and what helps."""
+        return (
+            f'the model cannot be simulated with these parameters: its state is no finite number '
+            f'at {seconds(self.moment)} s of simulated time, nothing is published until other '
+            f'parameters are set and {self.reset} is called')
 
 
 def time_report(clock: ClockState, ticks: TickClock, late_before: int) -> Report:
@@ -65,6 +85,14 @@ def time_report(clock: ClockState, ticks: TickClock, late_before: int) -> Report
         'skipped forward jumps of the clock [s]': seconds(ticks.skipped),
         'backward jumps of the clock': str(ticks.backward_jumps),
     })
+
+
+def simulation_report(loss: Loss | None) -> Report:
+    """Report on the state of the model."""
+    if loss is None:
+        return Report(OK, 'simulation', 'its state is finite', {})
+    return Report(ERROR, 'simulation', str(loss), {
+        'lost at simulated time [s]': seconds(loss.moment)})
 
 
 def command_report(guard: CommandGuard, bad_before: int) -> Report:

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the positioner publishes at every tick, and as which messages."""
 
+import math
+
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.event_handler import PublisherEventCallbacks
@@ -61,14 +63,22 @@ class OutputPublishers:
             level=DiagnosticStatus.OK, name='state', values=self._values,
             message=', '.join(f'{name} {unit}' for name, unit in OUTPUT_UNITS.items()))
 
-    def publish(self, plant: Plant, nanoseconds: int) -> None:
-        """Publish the outputs of the tick that lies at this time of the node's clock."""
+    def publish(self, plant: Plant, nanoseconds: int) -> bool:
+        """
+        Publish the outputs of the tick that lies at this time of the node's clock.
+
+        Nothing is published, and False returned, where they are no finite numbers: a controller
+        would calculate with them.
+        """
         pressure, position = plant.readings()
+        if not (math.isfinite(pressure) and math.isfinite(position)):
+            return False
         self._pressure.publish(Float64(data=pressure))
         self._position.publish(Float64(data=position))
         for publisher, message in self._heard_only:
             if publisher.get_subscription_count():
                 publisher.publish(message(plant.outputs(), self._header(nanoseconds)))
+        return True
 
     def _header(self, nanoseconds: int) -> Header:
         return Header(stamp=stamp_message(nanoseconds), frame_id=self._frame)

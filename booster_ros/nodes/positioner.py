@@ -27,11 +27,11 @@ from .declaration import (
     effective_values,
     files_without_section,
 )
-from .diagnostics import seconds
+from .diagnostics import Loss, seconds
 from .node_time import NodeTime
 from .outputs import OutputPublishers
 from .process import run
-from .reporting import Reporter
+from .reporting import Condition, Reporter
 from .throttle import Throttle
 from .tick_clock import NANOSECONDS, TickClock, nanoseconds
 
@@ -64,6 +64,7 @@ class Positioner(Node):
         period = round(NANOSECONDS / settings.publish_rate)
         step = nanoseconds(settings.integration_step)
         self._plant = Plant(physical, step / NANOSECONDS)
+        self._loss: Loss | None = None
         self._guard = CommandGuard(_rules(settings))
         self._ticks = TickClock(
             period, step, nanoseconds(settings.max_catch_up),
@@ -76,7 +77,8 @@ class Positioner(Node):
 
         self._outputs = OutputPublishers(self)
         self._reporter = Reporter(
-            self, self._time, self._ticks, self._guard, self._watch, lambda: self._paused)
+            self, self._time, self._ticks, self._guard, self._watch,
+            lambda: Condition(self._paused, self._loss))
         self._commands = self.create_subscription(
             Float64, 'control_current', self._on_command, EVENT_DEPTH)
         self.create_service(Trigger, '~/reset', self._on_reset)
@@ -156,8 +158,17 @@ class Positioner(Node):
         if self._guard.stale != was_stale:
             self._on_stale_change()
         moment = self._ticks.next_due
-        self._plant.advance(current, self._ticks.run_tick())
-        self._outputs.publish(self._plant, moment + stamp_offset)
+        steps = self._ticks.run_tick()
+        if self._loss is None:
+            self._plant.advance(current, steps)
+            self._publish(moment + stamp_offset)
+
+    def _publish(self, stamp: int) -> None:
+        """Publish what there is now, at this time of the node's clock; say so if it is nothing."""
+        if not self._outputs.publish(self._plant, stamp):
+            self._loss = Loss(self._ticks.simulated, self.resolve_service_name('~/reset'))
+            self.get_logger().error(str(self._loss))
+            self._reporter.report()
 
     # Commands
 
@@ -208,15 +219,16 @@ class Positioner(Node):
         self._plant.reset(state.chamber_pressure, state.valve_position, state.control_current)
         self._guard.force(state.control_current)
         self._ticks.reset()
+        self._loss = None
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._put_into_initial_state()
         last_tick = self._ticks.next_due - self._ticks.period
-        self._outputs.publish(self._plant, last_tick + self._time.stamp_offset())
+        self._publish(last_tick + self._time.stamp_offset())
         self._reporter.report()
         state = self._settings.initial_state
-        response.success = True
-        response.message = (
+        response.success = self._loss is None
+        response.message = str(self._loss) if self._loss else (
             f'chamber_pressure {state.chamber_pressure:g} Pa, valve_position '
             f'{self._plant.outputs().valve_position:g} m, control_current '
             f'{state.control_current:g} A, simulated time 0 s')
@@ -243,8 +255,9 @@ class Positioner(Node):
         count = self._settings.step_ticks
         self._take_waiting_commands()
         self._run_ticks(count)
-        response.success = True
-        response.message = f'{count} ticks, simulated time {seconds(self._ticks.simulated)} s'
+        response.success = self._loss is None
+        response.message = str(self._loss) if self._loss else (
+            f'{count} ticks, simulated time {seconds(self._ticks.simulated)} s')
         return response
 
     def _take_waiting_commands(self) -> None:

@@ -3,6 +3,7 @@
 """When a positioner reports on /diagnostics: regularly, and when it becomes better or worse."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
@@ -11,10 +12,12 @@ from .command_guard import CommandGuard
 from .declaration import ParameterWatch
 from .diagnostics import (
     ClockState,
+    Loss,
     Report,
     command_report,
     diagnostic_message,
     parameter_report,
+    simulation_report,
     time_report,
 )
 from .node_time import NodeTime
@@ -22,19 +25,26 @@ from .outputs import quiet_publisher
 from .tick_clock import TickClock
 
 
+class Condition(NamedTuple):
+    """What a positioner knows of itself: whether it was paused by service, what it has lost."""
+
+    paused: bool
+    loss: Loss | None
+
+
 class Reporter:
-    """Publishes the reports of a positioner; `is_paused` tells whether it was paused by service."""
+    """Publishes the reports of a positioner, which tells its `condition`."""
 
     def __init__(
         self, node: Node, time: NodeTime, ticks: TickClock, guard: CommandGuard,
-        watch: ParameterWatch, is_paused: Callable[[], bool],
+        watch: ParameterWatch, condition: Callable[[], Condition],
     ) -> None:
         self._node = node
         self._time = time
         self._ticks = ticks
         self._guard = guard
         self._watch = watch
-        self._is_paused = is_paused
+        self._condition = condition
         self._publisher = quiet_publisher(node, DiagnosticArray, '/diagnostics')
         self._reported: tuple[int, ...] = ()
         self._late_reported = self._bad_reported = 0
@@ -62,11 +72,12 @@ class Reporter:
 
     def _reports(self) -> list[Report]:
         now = self._time.now()
+        paused, loss = self._condition()
         clock = ClockState(
-            self._time.follows_clock_topic, now > 0, now == self._clock_reported,
-            self._is_paused())
+            self._time.follows_clock_topic, now > 0, now == self._clock_reported, paused)
         return [
             time_report(clock, self._ticks, self._late_reported),
+            simulation_report(loss),
             command_report(self._guard, self._bad_reported),
             parameter_report(self._watch.changes, self._watch.last_change),
         ]
