@@ -74,6 +74,13 @@ def test_a_section_overrides_those_above_it_that_are_for_the_node_as_well(file):
     assert read_parameter_file(file(own + general)).node['publish_rate'] == 10.0
 
 
+@pytest.mark.parametrize('text', [
+    'max_catch_up: 0.02\npublish_rate: 50', 'publish_rate: 0.01', 'max_catch_up: 0.01',
+])
+def test_the_longest_gap_that_is_caught_up_may_be_a_tick_or_a_second(file, text):
+    assert read_parameter_file(file(section(text))).node
+
+
 def test_nested_namespaces(file):
     path = file('line_a:\n  positioner:\n    ros__parameters:\n      step_ticks: 7\n')
     assert read_parameter_file(path).node == {'step_ticks': 7}
@@ -134,6 +141,9 @@ def test_sections_that_one_positioner_reads_are_taken_together(file, names):
     (section('start_paused: 1'), 'line 3: start_paused must be true or false'),
     (section('invalid_current: clip'), 'invalid_current must be one of refuse, limit'),
     (section('publish_rate: 2000'), 'integration_step'),
+    (section('max_catch_up: 0'), 'line 3: max_catch_up must be between 0.0001 and'),
+    (section('max_catch_up: 0.019\npublish_rate: 50'),
+     r'max_catch_up \(0.019 s\) must not be shorter than 0.02 s at a publish_rate of 50 Hz: '),
     (section('current_limits: [0.002, 0.0]'), 'current_limits must rise'),
     (section('initial_state: {control_current: 0.1}'), 'initial_state.control_current'),
     (section('initial_state: {valve_position: 0.1}'), 'initial_state.valve_position'),

@@ -63,6 +63,8 @@ def test_every_parameter_is_declared_with_unit_meaning_and_range(bench):
     ({'publish_rate': 50.0}, 'read-only parameter: publish_rate'),
     ({'integration_step': 1e-4}, 'read-only parameter: integration_step'),
     ({'current_limits': [0.0, 0.0]}, 'current_limits must rise'),
+    ({'max_catch_up': 0.0}, 'max_catch_up'),
+    ({'max_catch_up': 9e-3}, r'max_catch_up \(0.009 s\) must not be shorter than 0.01 s'),
     ({'booster__orifice_law': 'linear'}, 'booster.orifice_law must be one of'),
     ({'supply__pressure': 3e5, 'booster__s2': 2e-5}, 'booster.s1'),
 ])

@@ -158,6 +158,18 @@ def test_jumps_of_the_clock_are_warned_about_and_the_state_is_kept(simulated):
     assert float(time_details(diagnostics)['simulated time [s]']) < 1.0
 
 
+def test_a_clock_that_jumps_all_the_time_is_warned_about_once(simulated):
+    node, client, clock, pressures, diagnostics = simulated
+    clock.begin(SECOND)
+    for jump in range(1, 6):
+        clock.show(1000 * jump * SECOND)
+        client.spin_until(lambda jump=jump: len(pressures) >= jump)
+    client.spin_until(lambda: float(
+        time_details(diagnostics).get('skipped forward jumps of the clock [s]', 0)) > 4900)
+    node.wait_for('the clock jumped by')
+    assert node.output.count('the clock jumped by') == 1
+
+
 def test_the_clock_can_be_chosen_while_the_node_runs(ros_client):
     with start() as node:
         bench = Bench(ros_client)

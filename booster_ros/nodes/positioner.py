@@ -143,9 +143,11 @@ class Positioner(Node):
 
     def _on_clock_jump(self) -> None:
         self._timer.reset()
-        self.get_logger().warning(
-            f'the clock jumped by {self._ticks.jump / NANOSECONDS:+.3f} s: not simulated, the '
-            'state is kept')
+        jump = self._ticks.jump / NANOSECONDS
+        kind = 'jump backwards' if jump < 0.0 else 'jump forwards'
+        if self._throttle.passes(kind, self._steady_now()):
+            self.get_logger().warning(
+                f'the clock jumped by {jump:+.3f} s: not simulated, the state is kept')
 
     def _run_ticks(self, count: int) -> None:
         offset = self._time.stamp_offset()

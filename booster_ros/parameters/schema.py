@@ -33,9 +33,9 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
             'integration_step', 1e-3, 's', 'interval of the integration, at most one tick',
             1e-6, 0.1, 'error against the reference: docs/accuracy.md'),
         Description(
-            'max_catch_up', 60.0, 's', 'longest gap of the clock that is caught up; a longer one '
-            'is a jump of the clock, which is reported and not simulated',
-            0.0, 1e9, 'far beyond any late tick, short of a clock that is set'),
+            'max_catch_up', 60.0, 's', 'longest gap of the clock that is caught up, at least a '
+            'tick (or 1 s); a longer one is a jump of the clock, which is reported and not '
+            'simulated', 1e-4, 1e9, 'far beyond any late tick, short of a clock that is set'),
         Description(
             'start_paused', False, '-', 'wait for ~/step or ~/pause before the first tick',
             0.0, 1.0, 'a positioner runs'),
@@ -82,6 +82,9 @@ ROS_PREFIX = 'qos_overrides.'
 """Parameters below this name belong to ROS 2 itself as well."""
 
 _NANOSECOND = 1e-9
+
+_LATE = 1.0
+"""Seconds that a timer is not late where nothing is wrong, however long a tick is."""
 
 
 class InitialState(NamedTuple):
@@ -195,6 +198,11 @@ def _check_consistent(settings: NodeSettings) -> None:
     if abs(step / _NANOSECOND - round(step / _NANOSECOND)) > 1e-3:
         raise ParameterError(
             f'integration_step ({step!r} s) must be a whole number of nanoseconds')
+    if settings.max_catch_up < min(period, _LATE) * (1.0 - 1e-9):
+        raise ParameterError(
+            f'max_catch_up ({settings.max_catch_up:g} s) must not be shorter than '
+            f'{min(period, _LATE):g} s at a publish_rate of {settings.publish_rate:g} Hz: ticks '
+            'that are merely late would be taken for jumps of the clock')
     if not low < high:
         raise ParameterError(f'current_limits must rise, got [{low:g}, {high:g}] A')
     if not low <= settings.initial_state.control_current <= high:
