@@ -5,11 +5,15 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
+from positioner_here import positioner_here
 from positioner_process import Bench, details, report_of, start, state_of, with_parameters
 import pytest
+from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
 from ros_client import RosClient
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
 
 from booster_ros.model.simulation import Plant
 from booster_ros.model.system import PositionerParameters
@@ -115,6 +119,25 @@ def test_a_reset_goes_to_the_given_state(bench):
         0.0, 225e3, 0.004)
     assert state['control_current'] == CURRENT
     assert state['back_pressure'] == pytest.approx(244.45e3)
+
+
+def test_a_command_that_came_before_a_reset_is_not_in_force_after_it(ros_client):
+    with positioner_here(*with_parameters(start_paused='true')) as node:
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        publisher = ros_client.node.create_publisher(Float64, 'control_current', 1)
+        ros_client.spin_until(lambda: publisher.get_subscription_count() > 0)
+        ros_client.spin_until(lambda: node.count_publishers('control_current') > 0)
+        publisher.publish(Float64(data=CURRENT))
+        assert publisher.wait_for_all_acked(Duration(seconds=20))
+        # Nothing has been spun: the executor has found the request first, as it can.
+        assert node._on_reset(Trigger.Request(), Trigger.Response()).success
+        for _ in range(20):
+            executor.spin_once(timeout_sec=0.02)
+        executor.shutdown()
+        assert node._on_step(Trigger.Request(), Trigger.Response()).success
+        assert node._plant.outputs().control_current == 0.0
+        assert node._guard.accepted == 1  # it had arrived
 
 
 def test_a_reset_without_a_position_lets_the_spring_find_it(bench):

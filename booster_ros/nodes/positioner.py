@@ -224,6 +224,7 @@ class Positioner(Node):
         self._loss = None
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._take_waiting_commands()
         self._put_into_initial_state()
         last_tick = self._ticks.next_due - self._ticks.period
         self._publish(last_tick + self._time.stamp_offset())
@@ -264,7 +265,7 @@ class Positioner(Node):
 
     def _take_waiting_commands(self) -> None:
         """
-        Take over what has arrived before the request to step.
+        Take over what has arrived before the request to step, or to forget it in a reset.
 
         The executor asks for waiting messages before it asks for requests: a command and a request
         that both arrive between the two would be handled in the wrong order.
