@@ -17,18 +17,25 @@ from booster_ros.nodes.positioner import Positioner
 
 
 @contextlib.contextmanager
-def positioner_here(*ros_arguments: str) -> Iterator[Positioner]:
-    """Return a positioner with these arguments for ROS; it does nothing unless it is spun."""
+def context_here(*ros_arguments: str) -> Iterator[list[str]]:
+    """Initialise rclpy with these arguments for ROS, and return the command line."""
     arguments = ['--ros-args', *ros_arguments]
     rclpy.init(args=['positioner', *arguments], signal_handler_options=SignalHandlerOptions.NO)
     try:
+        yield arguments
+    finally:
+        rclpy.try_shutdown()
+
+
+@contextlib.contextmanager
+def positioner_here(*ros_arguments: str) -> Iterator[Positioner]:
+    """Return a positioner with these arguments for ROS; it does nothing unless it is spun."""
+    with context_here(*ros_arguments) as arguments:
         node = Positioner(arguments)
         try:
             yield node
         finally:
             node.destroy_node()
-    finally:
-        rclpy.try_shutdown()
 
 
 @contextlib.contextmanager

@@ -18,6 +18,7 @@ from ..model.parameters import DESCRIPTIONS, Description, ParameterError, to_val
 from ..model.quantity import Quantity
 from ..model.system import PositionerParameters
 from .schema import NODE_DESCRIPTIONS, belongs_to_ros, check, checked
+from .scalars import LEAST
 from .sections import ANY_NODE, EVERY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
 
 
@@ -153,11 +154,16 @@ def _entries(parameters: PositionerParameters, node: Mapping[str, Any]
             yield name, value, description
 
 
+def _number(value: Any) -> float:
+    """Return a number, numpy's or Python's, as one that ROS 2 reads: 0 for what is next to it."""
+    return float(value) if abs(value) >= LEAST else 0.0
+
+
 def _scalar(value: Any, description: Description) -> str:
     """Return a value as YAML; floats always with a point, which YAML 1.1 readers want."""
     plain: Any = value
     if isinstance(value, tuple):
-        plain = [float(element) for element in value]
+        plain = [_number(element) for element in value]
     elif isinstance(description.default, float):
-        plain = float(value)  # a fit's numbers are numpy's
+        plain = _number(value)
     return yaml.safe_dump([plain], default_flow_style=True, width=10_000).strip()[1:-1]

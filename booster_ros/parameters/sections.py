@@ -3,23 +3,26 @@
 """
 The layout of a ROS 2 parameter file: which node each section is for, and what it holds.
 
-A file is read as rcl reads it, which differs from YAML 1.1 in one point that matters here: `5e8`
-is a number. Line numbers are kept, so that whoever complains can say where.
+A file is read as rcl reads it, see `scalars`. Line numbers are kept, so that whoever complains can
+say where.
 """
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
-import re
 from typing import Any, NamedTuple
 
 import yaml
 
 from ..model.parameters import ParameterError
+from .scalars import scalar
 
 PARAMETERS_KEY = 'ros__parameters'
 ANY_NODE = ('*', '**')
 EVERY_NODE = '/**'
+
+_QUOTES = ("'", '"')
+_TEXT_TAG = 'tag:yaml.org,2002:str'
 
 
 class Entry(NamedTuple):
@@ -43,15 +46,19 @@ class Section(NamedTuple):
         return '/' + '/'.join(part for part in self.written.split('/') if part)
 
 
-class _Loader(yaml.SafeLoader):
-    """The safe loader that takes `5e8` for a number, as rcl does."""
+class _Loader(yaml.BaseLoader):
+    """Composes nodes, and leaves open what a scalar is unless the file has a tag for it."""
 
+    def resolve(self, kind: type[yaml.Node], value: Any, implicit: Any) -> str:
+        """Return the tag of a node that the file gives none."""
+        return '' if kind is yaml.ScalarNode else super().resolve(kind, value, implicit)
 
-_Loader.add_implicit_resolver(
-    'tag:yaml.org,2002:float',
-    re.compile(r'^[-+]?(?:[0-9]+|[0-9]+\.[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+$'),
-    list('-+.0123456789'),
-)
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """Return the next node; refuse what ROS 2 does not read."""
+        if self.check_event(yaml.AliasEvent):
+            raise _LayoutError(
+                self.peek_event().start_mark.line + 1, 'ROS 2 reads no aliases (*name)')
+        return super().compose_node(parent, index)
 
 
 def read_sections(path: str | Path) -> list[Section]:
@@ -66,8 +73,7 @@ def read_sections(path: str | Path) -> list[Section]:
         reason = error.strerror if isinstance(error, OSError) else 'it is not text in UTF-8'
         raise ParameterError(f'{path}: cannot be read: {reason}') from None
     try:
-        loader = _Loader(text)
-        return _in_order(list(_sections(loader, loader.get_single_node(), '')))
+        return _in_order(list(_sections(_Loader(text).get_single_node(), '')))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f', line {mark.line + 1}' if mark is not None else ''
@@ -99,26 +105,43 @@ def _line(node: yaml.Node | None) -> int | None:
     return None if node is None else node.start_mark.line + 1
 
 
-def _sections(loader: _Loader, node: yaml.Node | None, name: str) -> Iterator[Section]:
+def _sections(node: yaml.Node | None, name: str) -> Iterator[Section]:
     if not isinstance(node, yaml.MappingNode):
         raise _LayoutError(
             _line(node), f'a ROS 2 parameter file has `/**:`, `{PARAMETERS_KEY}:` and the '
             'parameters below each other')
     for key_node, value in node.value:
-        key = str(loader.construct_object(key_node))
+        key = _name(key_node)
         if key == PARAMETERS_KEY:
             if not name:
                 raise _LayoutError(
                     _line(key_node), f'`{PARAMETERS_KEY}:` belongs below a node name, or `/**:` '
                     'for any node')
-            yield Section(name, tuple(_checked(_entries(loader, value, ''))))
+            yield Section(name, tuple(_checked(_entries(value, ''))))
         else:
-            yield from _sections(loader, value, f'{name}/{key}' if name else key)
+            yield from _sections(value, f'{name}/{key}' if name else key)
 
 
-def _entries(loader: _Loader, node: yaml.Node, name: str) -> Iterator[Entry]:
+def _name(node: yaml.Node) -> str:
+    if not isinstance(node, yaml.ScalarNode):
+        raise _LayoutError(_line(node), 'a name must be a word')
+    return str(node.value)
+
+
+def _value(node: yaml.Node, name: str) -> Any:
+    """Return the value of a parameter, None where there is none."""
+    if isinstance(node, yaml.SequenceNode):
+        return [_value(item, name) for item in node.value]
+    if not isinstance(node, yaml.ScalarNode):
+        raise _LayoutError(_line(node), f'{name} is a list, which holds values only')
+    if node.style in _QUOTES or node.tag == _TEXT_TAG:
+        return node.value
+    return scalar(node.value) if node.value else None
+
+
+def _entries(node: yaml.Node, name: str) -> Iterator[Entry]:
     if not isinstance(node, yaml.MappingNode):
-        value = loader.construct_object(node, deep=True)
+        value = _value(node, name)
         if not name:
             raise _LayoutError(_line(node), f'`{PARAMETERS_KEY}:` holds no parameters')
         if value is None:
@@ -130,8 +153,8 @@ def _entries(loader: _Loader, node: yaml.Node, name: str) -> Iterator[Entry]:
         yield Entry(name, value, node.start_mark.line + 1)
         return
     for key_node, value_node in node.value:
-        key = str(loader.construct_object(key_node))
-        yield from _entries(loader, value_node, f'{name}.{key}' if name else key)
+        key = _name(key_node)
+        yield from _entries(value_node, f'{name}.{key}' if name else key)
 
 
 def _checked(entries: Iterator[Entry]) -> Iterator[Entry]:
