@@ -12,6 +12,7 @@ from rclpy.parameter import Parameter
 from ..model.parameters import Description, ParameterError
 from ..model.quantity import Quantity
 from ..parameters.file import section_values
+from ..parameters.scalars import scalar
 from ..parameters.schema import (
     ALL_DESCRIPTIONS,
     READ_ONLY,
@@ -119,20 +120,28 @@ class ParameterWatch:
 
 
 def _as_declared(parameter: Parameter) -> Parameter:
-    """Return the parameter with its numbers as floats where floats are declared."""
+    """
+    Return the parameter with its numbers as floats where floats are declared.
+
+    What is neither a number nor, for a single one, text of one is left to the type check.
+    """
     description = ALL_DESCRIPTIONS.get(parameter.name)
+    if description is None:
+        return parameter
     value = parameter.value
-    try:
-        if description is None or isinstance(value, bool):
-            return parameter
-        if isinstance(description.default, float) and isinstance(value, (int, str)):
-            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(value))
-        if isinstance(description.default, tuple) and not isinstance(value, str):
-            return Parameter(
-                parameter.name, Parameter.Type.DOUBLE_ARRAY, [float(item) for item in value])
-    except (ValueError, TypeError):
-        pass  # neither a number nor text of one: the type check says so
+    if isinstance(description.default, float):
+        number = scalar(value) if isinstance(value, str) else value
+        if _is_number(number):
+            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(number))
+    elif parameter.type_ == Parameter.Type.INTEGER_ARRAY and isinstance(
+            description.default, tuple):
+        return Parameter(
+            parameter.name, Parameter.Type.DOUBLE_ARRAY, [float(item) for item in value])
     return parameter
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _plain(value: Any) -> Any:
