@@ -82,6 +82,30 @@ def test_a_refused_command_does_not_keep_the_last_one_fresh():
     assert guard.at_tick(SECOND) == 0.0
 
 
+@pytest.mark.parametrize('rules', [REFUSING, LIMITING])
+@pytest.mark.parametrize(('low', 'high', 'left'), [
+    (0.0, 1e-3, 1e-3), (1.95e-3, 2e-3, 1.95e-3), (0.0, 1.9e-3, 1.9e-3),
+])
+def test_new_limits_limit_the_current_in_force(rules, low, high, left):
+    guard = CommandGuard(rules)
+    guard.offer(1.9e-3)
+    assert guard.at_tick(0) == 1.9e-3
+    assert guard.follow(rules._replace(low=low, high=high)) is (left != 1.9e-3)
+    assert guard.at_tick(SECOND) == guard.current == left
+    assert not guard.follow(rules)
+    assert (guard.at_tick(2 * SECOND), guard.bad) == (left, 0)
+
+
+def test_a_stale_command_vents_below_the_lower_limit_too():
+    guard = CommandGuard(
+        REFUSING._replace(low=4e-4, command_timeout=0.5, stale_command='vent'), 4e-4)
+    guard.offer(1e-3)
+    guard.at_tick(0)
+    assert guard.at_tick(SECOND) == 0.0
+    assert not guard.follow(guard.rules._replace(low=5e-4, high=9e-4))
+    assert guard.at_tick(SECOND) == 0.0
+
+
 def test_before_the_first_command_nothing_is_stale():
     guard = CommandGuard(REFUSING._replace(command_timeout=0.5, stale_command='vent'), 1e-4)
     assert guard.waiting

@@ -167,6 +167,17 @@ def test_a_command_goes_stale_after_its_timeout(bench, policy, current):
     assert state_of(states[-1])['control_current'] == 2e-4
 
 
+def test_new_current_limits_limit_the_current_in_force_from_the_next_tick(bench):
+    states, = bench.listen(positioner__state=DiagnosticArray)
+    bench.command(1.9e-3)
+    bench.step(1)
+    assert bench.set(current_limits=[0.0, 1e-3]).successful
+    bench.step(1)
+    assert bench.set(current_limits=[0.0, 2e-3]).successful
+    bench.client.spin_until(lambda: len(states) >= 2)
+    assert [state_of(message)['control_current'] for message in states] == [1.9e-3, 1e-3]
+
+
 def test_while_paused_nothing_moves_and_diagnostics_say_so(bench):
     diagnostics = bench.client.listen('/diagnostics', DiagnosticArray)
     bench.client.spin_until(lambda: len(diagnostics) >= 2)

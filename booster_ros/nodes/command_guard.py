@@ -79,10 +79,26 @@ class CommandGuard:
         self._new = False
         self._stale = False
 
+    def follow(self, rules: CommandRules) -> bool:
+        """
+        Follow these rules from now on; return whether they limit the current in force.
+
+        It is limited whatever they say of bad commands: it was accepted, and none before it is
+        known to be within the new limits.
+        """
+        self.rules = rules
+        before = self._current
+        self._current = min(max(before, rules.low), rules.high)
+        return self._current != before and not self._vents
+
     @property
     def current(self) -> float:
-        """The current in force, A."""
-        return 0.0 if self._stale and self.rules.stale_command == VENT else self._current
+        """The current in force, A: 0 where a stale command vents, whatever the limits are."""
+        return 0.0 if self._vents else self._current
+
+    @property
+    def _vents(self) -> bool:
+        return self._stale and self.rules.stale_command == VENT
 
     @property
     def bad(self) -> int:
@@ -111,6 +127,14 @@ class CommandGuard:
             self._current = verdict.current
             self._new = True
         return verdict
+
+    def complaint(self, current: float, verdict: Verdict) -> str:
+        """Return the sentence about a bad command of this current, A."""
+        done = 'refused' if verdict.current is None else 'limited'
+        return (
+            f'control_current {current:g} A is {verdict.cause} (current_limits '
+            f'{self.rules.low:g} to {self.rules.high:g} A): {done}, {self.current:g} A in force; '
+            f'{self.bad} bad commands so far')
 
     def at_tick(self, simulated: int) -> float:
         """Return the current, A, for the tick that starts at this simulated time (ns)."""

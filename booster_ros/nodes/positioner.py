@@ -19,7 +19,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from ..model.simulation import Plant
 from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters
-from .command_guard import CommandGuard, CommandRules, Verdict
+from .command_guard import CommandGuard, CommandRules
 from .declaration import (
     ParameterWatch,
     check_files,
@@ -179,16 +179,8 @@ class Positioner(Node):
         if verdict.cause is None:
             return
         if self._throttle.passes(verdict.cause, self._steady_now()):
-            self.get_logger().warning(self._bad_command_text(message.data, verdict))
+            self.get_logger().warning(self._guard.complaint(message.data, verdict))
         self._reporter.report_change()
-
-    def _bad_command_text(self, current: float, verdict: Verdict) -> str:
-        low, high = self._guard.rules.low, self._guard.rules.high
-        done = 'refused' if verdict.current is None else 'limited'
-        return (
-            f'control_current {current:g} A is {verdict.cause} (current_limits {low:g} to '
-            f'{high:g} A): {done}, {self._guard.current:g} A in force; {self._guard.bad} bad '
-            'commands so far')
 
     def _on_stale_change(self) -> None:
         rules = self._guard.rules
@@ -207,7 +199,9 @@ class Positioner(Node):
 
     def _on_parameters(self, parameters: Parameters) -> None:
         self._settings = parameters.node
-        self._guard.rules = _rules(parameters.node)
+        if self._guard.follow(_rules(parameters.node)):
+            self.get_logger().warning(
+                f'current_limits now limit the current in force to {self._guard.current:g} A')
         self._ticks.max_catch_up = nanoseconds(parameters.node.max_catch_up)
         if parameters.physical != self._plant.parameters:
             self._plant.parameters = parameters.physical
