@@ -6,7 +6,7 @@ import numpy as np
 from positioner_runs import current_for, positioner, rows, settled_at
 import pytest
 
-from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.catalogue import EFFECTS, is_of_effect
 from booster_ros.model.parameters import DESCRIPTIONS, from_values, to_values
 from booster_ros.model.simulation import Simulation, simulate
 from booster_ros.model.system import PositionerParameters
@@ -52,13 +52,19 @@ def test_the_catalogue_has_every_name_where_it_belongs():
 def test_all_neutral_values_are_the_declared_model():
     neutral = {
         name: description.default for name, description in DESCRIPTIONS.items()
-        if description.source == 'neutral: no effect'
+        if is_of_effect(name)
     }
-    assert len(neutral) > 30
+    assert len(neutral) > 50
     assert from_values(neutral) == PositionerParameters()
     for effect in EFFECTS.values():
         for knob in effect.knobs:
             assert to_values(PositionerParameters())[knob.parameter] == knob.neutral, knob.parameter
+
+
+def test_the_parameters_of_effects_are_those_that_say_whose_they_are():
+    own = [name for name, description in DESCRIPTIONS.items()
+           if description.meaning.partition(':')[0] in EFFECTS or name.startswith('discrepancy')]
+    assert [name for name in DESCRIPTIONS if is_of_effect(name)] == own
 
 
 SHAPES = sorted({

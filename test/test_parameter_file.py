@@ -10,6 +10,7 @@ from hypothesis import given, settings, strategies as st
 import pytest
 import yaml
 
+from booster_ros.model.catalogue import is_of_effect
 from booster_ros.model.parameters import DESCRIPTIONS, ParameterError, from_values, to_values
 from booster_ros.parameters.file import read_parameter_file, write_parameter_file
 from booster_ros.parameters.sections import is_for
@@ -196,6 +197,20 @@ def test_what_is_too_small_for_ros_to_read_is_written_as_zero(tmp_path):
     path = tmp_path / 'p.yaml'
     write_parameter_file(path, from_values({'actuator.leak_area': 5e-324}))
     assert read_parameter_file(path).physical['actuator.leak_area'] == 0.0
+
+
+@pytest.mark.parametrize(('values', 'comments', 'names'), [
+    ({}, {}, set()),
+    ({'actuator.stribeck_velocity': 2e-3}, {}, {'actuator.stribeck_velocity'}),
+    ({}, {'actuator.presliding_stiffness': 'ADDED'}, {'actuator.presliding_stiffness'}),
+])
+def test_of_effects_what_is_as_by_default_is_not_written_unless_there_is_a_comment_on_it(
+        tmp_path, values, comments, names):
+    path = tmp_path / 'p.yaml'
+    write_parameter_file(path, from_values(values), comments=comments)
+    written = set(read_parameter_file(path).physical)
+    assert {name for name in written if is_of_effect(name)} == names
+    assert written - names == {name for name in DESCRIPTIONS if not is_of_effect(name)}
 
 
 def test_a_written_file_is_plain_yaml_with_floats_that_every_reader_takes_for_floats(tmp_path):

@@ -15,6 +15,7 @@ from std_msgs.msg import Float64
 
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import Plant
+from booster_ros.nodes.declaration import effective_values
 from booster_ros.parameters.schema import ALL_DESCRIPTIONS
 
 
@@ -87,6 +88,16 @@ def test_numbers_are_taken_as_they_are_typed(bench, value):
     assert bench.set(supply__pressure=value).successful
     assert value_of(bench, 'supply.pressure') == 410e3
     assert bench.set(supply__pressure=400e3).successful
+
+
+def test_the_log_names_parameters_of_effects_only_where_they_are_other_than_by_default():
+    values = {name: description.default for name, description in ALL_DESCRIPTIONS.items()}
+    text = effective_values(values)
+    assert 'stop_damping 100000.0' in text
+    assert not any(name.rpartition('.')[2] in re.split(r'\W+', text) for name in (
+        'actuator.presliding_stiffness', 'ep_converter.nonlinearity_centre', 'discrepancy.reach'))
+    assert '*stribeck_velocity 0.002' in effective_values(
+        values | {'actuator.stribeck_velocity': 2e-3})
 
 
 def test_values_that_only_fit_together_are_set_together(bench):

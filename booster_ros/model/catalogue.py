@@ -231,3 +231,19 @@ _ROWS = (
 
 EFFECTS: dict[str, Effect] = {row.name: row for row in _ROWS}
 """All named effects; the names and locations are those that reports print."""
+
+_OF_EFFECTS = frozenset(knob.parameter for row in _ROWS for knob in row.knobs) | {
+    # what no fit turns
+    'ep_converter.nonlinearity_centre', 'ep_converter.nonlinearity_span',
+    'tubing.critical_pressure_ratio',
+}
+
+
+def is_of_effect(parameter: str) -> bool:
+    """
+    Tell whether a parameter (dotted name) is an effect's, or the term's that has no name.
+
+    The others are the declared model's, which is what is left where all effects' have their
+    defaults.
+    """
+    return parameter in _OF_EFFECTS or parameter.startswith('discrepancy.')

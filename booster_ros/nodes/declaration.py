@@ -9,8 +9,8 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParam
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ..model.catalogue import is_of_effect
 from ..model.parameters import Description, ParameterError
-from ..model.quantity import Quantity
 from ..parameters.file import section_values
 from ..parameters.scalars import scalar
 from ..parameters.schema import (
@@ -150,14 +150,18 @@ def _plain(value: Any) -> Any:
 
 
 def effective_values(parameters: dict[str, Any]) -> str:
-    """Return the values in force for people to read, a line for each component of the model."""
+    """
+    Return the values in force for people to read, a line for each component of the model.
+
+    Those of effects only where they are other than by default.
+    """
     lines: dict[str, list[str]] = {}
     for name, description in ALL_DESCRIPTIONS.items():
         value = parameters[name]
         default = description.default
         plain = _plain(value)
         is_default = plain == _plain(default)
-        if is_default and description.source == Quantity.source:
+        if is_default and is_of_effect(name):
             continue
         component, _, field = name.rpartition('.')
         mark = '' if is_default else '*'

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from ..model.catalogue import is_of_effect
 from ..model.parameters import DESCRIPTIONS, Description, ParameterError, to_values
-from ..model.quantity import Quantity
 from ..model.system import PositionerParameters
 from .schema import NODE_DESCRIPTIONS, belongs_to_ros, check, checked
 from .scalars import LEAST
@@ -102,9 +102,9 @@ def write_parameter_file(
     """
     Write a parameter file for any positioner node, complete or not at all.
 
-    It holds every declared parameter, of the effects what is not neutral, and those of `node`, the
-    node's own. `heading` becomes the comment above, `comments` (by dotted name) stand behind the
-    units.
+    It holds every parameter of the declared model, of the effects those that have other values
+    than by default or a comment, and those of `node`, the node's own. `heading` becomes the comment
+    above, `comments` (by dotted name) stand behind the units.
     """
     path = Path(path)
     descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
@@ -132,7 +132,7 @@ def parameter_text(
     lines = [f'# {line}'.rstrip() for line in heading.splitlines()]
     lines += [f'{EVERY_NODE}:', f'  {PARAMETERS_KEY}:']
     component = ''
-    for name, value, description in _entries(parameters, node):
+    for name, value, description in _entries(parameters, comments, node):
         before, _, field = name.rpartition('.')
         if before != component:
             component = before
@@ -143,14 +143,15 @@ def parameter_text(
     return '\n'.join(lines) + '\n'
 
 
-def _entries(parameters: PositionerParameters, node: Mapping[str, Any]
-             ) -> Iterator[tuple[str, Any, Description]]:
+def _entries(
+    parameters: PositionerParameters, comments: Mapping[str, str], node: Mapping[str, Any],
+) -> Iterator[tuple[str, Any, Description]]:
     """Yield name, value and description of what a file holds, what has no component first."""
     for name in sorted(node, key=lambda name: name.count('.')):
         yield name, node[name], NODE_DESCRIPTIONS[name]
     for name, value in to_values(parameters).items():
         description = DESCRIPTIONS[name]
-        if value != description.default or description.source != Quantity.source:
+        if not is_of_effect(name) or value != description.default or name in comments:
             yield name, value, description
 
 
