@@ -17,6 +17,9 @@ setup(
         ('share/' + package_name, ['package.xml']),
         ('share/' + package_name + '/launch', glob('launch/*.launch.py')),
         ('share/' + package_name + '/config', glob('config/*')),
+        # what `ros2 param describe` and the configuration point to
+        ('share/' + package_name + '/docs', glob('docs/*.md')),
+        ('share/' + package_name + '/docs/images', glob('docs/images/*')),
     ],
     install_requires=['setuptools'],
     # By this colcon knows that the tests are pytest's.

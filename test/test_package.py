@@ -17,6 +17,8 @@ from ros_process import ROOT, RosProcess
 from std_msgs.msg import Float64
 
 from booster_ros.__main__ import PROGRAMS
+from booster_ros.control import settings as controller
+from booster_ros.parameters.schema import ALL_DESCRIPTIONS
 
 # Imported module → rosdep key, where they differ.
 ROSDEP_KEYS = {
@@ -119,6 +121,16 @@ def test_share_holds_launch_files_and_configuration(workspace):
         assert sources
         assert {path.name for path in (share / 'booster_ros' / kind).iterdir()} == sources
     assert (share / 'booster_ros' / 'package.xml').is_file()
+
+
+def test_the_pages_that_descriptions_point_to_are_installed(workspace):
+    share = workspace.prefix / 'share' / 'booster_ros'
+    configured = [path.read_text() for path in (share / 'config').iterdir()]
+    described = [description.source for table in (ALL_DESCRIPTIONS, controller.DESCRIPTIONS)
+                 for description in table.values()]
+    pages = set(re.findall(r'docs/\w+\.md', '\n'.join([*configured, *described])))
+    assert {'docs/accuracy.md', 'docs/fake_controller.md', 'docs/node.md'} <= pages
+    assert [page for page in pages if not (share / page).is_file()] == []
 
 
 def test_every_program_is_an_executable_of_the_package(workspace):
