@@ -62,6 +62,14 @@ def test_every_program_explains_itself(name):
     assert 'usage' in done.stdout.lower()
 
 
+@pytest.mark.parametrize(('node', 'page'), [
+    ('positioner', 'docs/node.md'), ('fake_controller', 'docs/fake_controller.md')])
+def test_a_node_shows_how_parameters_are_given_and_where_they_are_listed(node, page):
+    text = run(node, '--help').stdout
+    assert f'  {node} --ros-args --params-file ' in text
+    assert page in text
+
+
 @pytest.mark.parametrize(('name', 'option', 'others'), [
     ('simulate', '--params', ['--input', 'i', '--out', 'o']),
     ('simulate', '--input', ['--params', 'p', '--out', 'o']),

@@ -47,6 +47,8 @@ from .silence import Silence
 from .tick_clock import NANOSECONDS
 
 DESCRIPTION = 'Play a current profile to a positioner, or close its position loop, as a ROS 2 node.'
+EXAMPLE = '--ros-args --params-file fake_controller.yaml -p record_csv:=record.csv\n' \
+    'All parameters: docs/fake_controller.md, or `ros2 param describe` while it runs.'
 
 OUTPUTS = ('chamber_pressure', 'valve_position')
 
@@ -279,7 +281,8 @@ class FakeController(Node):
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node; `args` is the command line without the program's name."""
     arguments = sys.argv[1:] if args is None else list(args)
-    return run('fake_controller', DESCRIPTION, lambda: FakeController(arguments), arguments)
+    return run(
+        'fake_controller', DESCRIPTION, lambda: FakeController(arguments), arguments, EXAMPLE)
 
 
 if __name__ == '__main__':

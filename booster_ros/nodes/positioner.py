@@ -36,6 +36,8 @@ from .throttle import Throttle
 from .tick_clock import NANOSECONDS, TickClock, nanoseconds
 
 DESCRIPTION = 'Simulate an electro-pneumatic valve positioner as a ROS 2 node.'
+EXAMPLE = '--ros-args --params-file positioner.yaml -p publish_rate:=200.0\n' \
+    'All parameters: docs/node.md, or `ros2 param describe` while it runs.'
 
 CATCH_UP_PIECE = 0.1
 """Simulated seconds that are caught up before other callbacks have their turn."""
@@ -288,7 +290,7 @@ def _rules(settings: NodeSettings) -> CommandRules:
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node; `args` is the command line without the program's name."""
     arguments = sys.argv[1:] if args is None else list(args)
-    return run('positioner', DESCRIPTION, lambda: Positioner(arguments), arguments)
+    return run('positioner', DESCRIPTION, lambda: Positioner(arguments), arguments, EXAMPLE)
 
 
 if __name__ == '__main__':

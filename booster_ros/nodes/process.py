@@ -21,19 +21,20 @@ from ..parameters.sections import files_on, read_sections
 DONE = 0
 BAD_INPUT = 2
 
-_EPILOG = 'Parameters, names and remappings follow --ros-args, as for any ROS 2 node.'
+_EPILOG = 'Parameters, names and remappings follow --ros-args, as for any ROS 2 node:\n  '
 _END_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 def run(
-    name: str, description: str | None, make_node: Callable[[], Node], arguments: Sequence[str]
+    name: str, description: str | None, make_node: Callable[[], Node], arguments: Sequence[str],
+    example: str = '--ros-args -p NAME:=VALUE',
 ) -> int:
     """
     Spin the node that `make_node` returns until SIGINT, SIGTERM or shutdown; return the status.
 
     Bad arguments and parameters (ParameterError of `make_node`) end with one sentence on stderr
-    and status 2. `name` and `description` are the program's for `--help`, `arguments` the command
-    line without the program's name.
+    and status 2. `name`, `description` and `example` (arguments, and where to read on) are for
+    `--help`, `arguments` is the command line without the program's name.
     """
     startup = _Startup()
     for number in _END_SIGNALS:
@@ -42,7 +43,7 @@ def run(
         for path in files_on(arguments):
             read_sections(path)  # what rcl says of a bad file is no sentence
         argparse.ArgumentParser(
-            prog=name, description=description, epilog=_EPILOG,
+            prog=name, description=description, epilog=f'{_EPILOG}{name} {example}',
             formatter_class=argparse.RawDescriptionHelpFormatter,
         ).parse_args(remove_ros_args([name, *arguments])[1:])
         rclpy.init(args=[name, *arguments])

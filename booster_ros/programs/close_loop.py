@@ -17,7 +17,7 @@ from typing import Any
 from ..diagnosis.calibration import calibrated
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment import Experiment
-from ..diagnosis.preparation import prepare
+from ..diagnosis.preparation import DWELL_COMMANDED, DWELL_PINNED, prepare
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.validation import validated
 from ..model.parameters import ParameterError, from_values
@@ -108,7 +108,8 @@ def _parser() -> argparse.ArgumentParser:
         help='time of a bag: when it was recorded, or the stamps in the messages '
         '(default: %(default)s)')
     add('--dwell', type=_seconds, metavar='S',
-        help='how long each row of a sweep without time stood, s')
+        help='how long each row of a sweep without time stood, s (default: '
+        f'{DWELL_COMMANDED:g} where the current drives, else {DWELL_PINNED:g})')
     add('--calibrate', type=_count, metavar='N',
         help='also count how often something is added to N simulated records in which nothing is '
         'missing; each takes as long as a diagnosis')
