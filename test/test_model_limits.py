@@ -5,6 +5,7 @@
 from hypothesis import HealthCheck, given, settings, strategies
 import numpy as np
 from positioner_runs import positioner, rows
+import pytest
 
 from booster_ros.model.simulation import simulate
 
@@ -92,3 +93,21 @@ def test_nothing_leaves_physics(sizes, effects, law, levels):
     assert run['intake_area'].max() <= p.booster.max_area * (1.0 + 1e-12)
     # never both seats at once
     assert not np.any((run['intake_area'] > 0.0) & (run['exhaust_area'] > 0.0))
+
+
+@pytest.mark.parametrize('values', [
+    {'actuator.presliding_stiffness': 1e9, 'actuator.stiction': 200.0},
+    {'actuator.presliding_stiffness': 2e8, 'actuator.stiction': 50.0},
+    {'actuator.moving_mass': 0.5, 'actuator.stiction': 1031.0},
+    {'actuator.stop_damping': 3.1e7, 'booster.exhaust_leak_area': 1.77e-6},
+    {'actuator.moving_mass': 0.0315, 'actuator.spring_s_curve': 127e3},
+], ids=lambda values: ' '.join(name.split('.')[1] for name in values))
+def test_what_is_over_within_a_microsecond_is_followed(values):
+    ends = []
+    for dt in (0.01, 1e-3):
+        time = rows(3.0, dt)
+        current = np.array([0.6e-3, 0.3e-3, 0.45e-3, 0.45e-3])[(time + 1e-9).astype(int)]
+        run = simulate(positioner(values), time, current, {'chamber_pressure': 200e3})
+        ends.append(run['chamber_pressure'][-1])
+    # of what slips no two ends are the same
+    assert ends[0] == pytest.approx(ends[1], abs=1e3)

@@ -31,6 +31,12 @@ from .workspace import Workspace, new_workspace
 FINEST_DIVISION = 4000.0
 """Steps are not made shorter than the interval by this, whatever the error estimate says."""
 
+FINEST_STEP = 1e-8
+"""
+Where a step as short as that is lost, steps down to this, s, are allowed for the rest of the
+interval: a light stem whose friction fades runs away within a microsecond.
+"""
+
 AHEAD_SHARE = 0.1
 """Share of the tolerance for a step over several rows: it is seen at all of them."""
 
@@ -176,7 +182,11 @@ def advance(
             step = max(step * min(_step_factor(error / allowed, explicit), 0.7), smallest)
             error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
             allowed = tolerance * AHEAD_SHARE if step > left else tolerance
-        if math.isnan(error) or (step <= smallest and error > LOST * tolerance):
+        if not error <= LOST * tolerance and not step > smallest:
+            if smallest > FINEST_STEP:
+                smallest = memory[TRIAL_STEP] = FINEST_STEP
+                rates_known = True
+                continue
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
             return
         if step > left and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
