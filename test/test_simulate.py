@@ -205,6 +205,27 @@ def test_bad_parameters_are_one_sentence_and_status_2(tmp_path, params, capfd, t
     assert 'params.yaml' in message[0]
 
 
+@pytest.mark.parametrize('portion', [1, 100])
+def test_a_model_without_solution_is_one_sentence_and_status_2(
+        tmp_path, params, capfd, monkeypatch, portion):
+    """A chamber of less than the end stop yields: the stem would press it to nothing."""
+    source = write(tmp_path / 'in.csv', 'time,control_current\n' + ''.join(
+        f'{5.0 + 0.01 * k:.2f},0.0006\n' for k in range(60)))
+    write(params, '/**:\n  ros__parameters:\n    actuator:\n      dead_volume: 1.0e-9\n')
+    out = write(tmp_path / 'out.csv', 'as it was')
+    original = program.iterate_csv
+    monkeypatch.setattr(program, 'iterate_csv', lambda path, columns: original(
+        path, columns, rows_per_chunk=portion))
+    status = program.main(['--params', str(params), '--input', str(source), '--out', str(out)])
+    message = [line for line in capfd.readouterr().err.splitlines() if 'compiling' not in line]
+    assert status == 2
+    assert message == [
+        'simulate: with these parameters the model has no solution from 5.01 s on']
+    assert out.read_text() == 'as it was'
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == [
+        'in.csv', 'out.csv', 'params.yaml']
+
+
 @pytest.mark.parametrize('missing', ['params', 'input', 'out'])
 def test_files_that_are_not_there(tmp_path, params, missing):
     paths = {'params': params, 'input': write(tmp_path / 'in.csv', GOOD),

@@ -85,8 +85,9 @@ def run(
     """
     Simulate `source` into `target` in portions, so that memory stays flat however long it is.
 
-    RecordError where either cannot be read or written; `target` is then left as it was, and where
-    `check`, which is called between portions, raises. To be called in `kept_interruption`.
+    RecordError where either cannot be read or written, ParameterError where the model gets lost;
+    `target` is then left as it was, and where `check`, which is called between portions, raises.
+    To be called in `kept_interruption`.
     """
     with (
         # first in, last out: what is half written is removed before a portion is waited for
@@ -117,6 +118,10 @@ def _write(
 ) -> None:
     """Write a portion once it is simulated, its times as they were read."""
     seen = simulated.result() | {'time': time}
+    lost = ~np.isfinite(seen['chamber_pressure'])
+    if lost.any():
+        raise ParameterError('with these parameters the model has no solution from '
+                             f'{time[np.argmax(lost)]:.10g} s on')
     writer.write_rows(np.column_stack([seen[name] for name in OUTPUT.values()]))
     bar.update(len(time))
 
