@@ -128,6 +128,13 @@ def test_a_section_says_what_the_diagnosis_does(without_100):
         remarks.on(FLOW_BENCH_WITHOUT_100, without_100))
 
 
+@pytest.mark.parametrize('record', [FLOW_BENCH_WITHOUT_100, SIGNATURE], ids=lambda one: one.name)
+def test_what_ended_where_a_refit_ends_is_said_of_every_record(record, without_100):
+    ended = replace(without_100.refitted[0], at_limit=True)
+    said = remarks.on(record, replace(without_100, refitted=(ended,)))
+    assert any(one.startswith(f'`{ended.name}` went from') for one in said)
+
+
 def test_a_decay_that_is_read_in_steps_falls_by_what_is_between_its_ends():
     time = np.arange(0.0, 90.1, 0.1)
     pressure = 1e5 - 300.0 * (time > 15.0) - 600.0 * (time > 40.0)
