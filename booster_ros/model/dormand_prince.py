@@ -12,6 +12,7 @@ from .workspace import TOLERANCE
 
 ORDER = 5.0
 
+_NODES = (0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0)
 _WEIGHTS = (
     (0.2, 0.0, 0.0, 0.0, 0.0, 0.0),
     (3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0),
@@ -41,7 +42,7 @@ def explicit_step(p, time, current, direction, y, h, active, count, w) -> float:
             for j in range(stage + 1):
                 slope += _WEIGHTS[stage][j] * w.slopes[j * STATES + state]
             w.trial[state] = y[state] + h * slope
-        derivatives(p, time, current, direction, w.trial, w.stage_rates)
+        derivatives(p, time + _NODES[stage] * h, current, direction, w.trial, w.stage_rates)
         for i in range(count):
             w.slopes[(stage + 1) * STATES + active[i]] = w.stage_rates[active[i]]
     error = 0.0

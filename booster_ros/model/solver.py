@@ -135,7 +135,9 @@ def advance(
     active, count: int, tolerance: float, w: Workspace, longest_ahead: float = 0.0,
 ) -> None:
     """
-    Take the state `y` over `length` s of standing inputs, in place; `time` (s) is one of them.
+    Take the state `y` over `length` s of standing inputs, in place.
+
+    One of these is `time` (s), that of the interval's middle, but for a stem that slips.
 
     `active[:count]` are the states to integrate in rising order, the others stand still;
     `tolerance` multiplies `TOLERANCE` (infinite: one step however large the error). Steps of up to
@@ -175,12 +177,14 @@ def advance(
                     and memory[STIFFNESS] < STIFF_STEPS)
         if not explicit:
             fill_jacobian(p, time, current, direction, y, active, moving, w)
+        # the explicit method is one for equations with time (and slower where that stands)
+        now = time - 0.5 * length + (length - left) if explicit else time
         tried = step
-        error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
+        error = _try_step(p, now, current, direction, y, step, explicit, active, moving, w)
         allowed = tolerance * AHEAD_SHARE if step > left else tolerance
         while not error <= allowed and step > smallest:
             step = max(step * min(_step_factor(error / allowed, explicit), 0.7), smallest)
-            error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
+            error = _try_step(p, now, current, direction, y, step, explicit, active, moving, w)
             allowed = tolerance * AHEAD_SHARE if step > left else tolerance
         if not error <= LOST * tolerance and not step > smallest:
             if smallest > FINEST_STEP:
@@ -191,7 +195,7 @@ def advance(
             return
         if step > left and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
             step, allowed = left, tolerance  # a step ahead does not end a slide
-            error = _try_step(p, time, current, direction, y, step, explicit, active, moving, w)
+            error = _try_step(p, now, current, direction, y, step, explicit, active, moving, w)
         whole = step == tried
         proposal = step * _step_factor(error / allowed, explicit)
         if explicit and contraction(active, moving, w) > STIFF:
@@ -202,7 +206,7 @@ def advance(
             landed = True
             if y[VELOCITY] * direction > 0.0:
                 step = _step_to_rest(
-                    p, time, current, direction, y, step, explicit, active, moving, w)
+                    p, now, current, direction, y, step, explicit, active, moving, w)
             else:
                 # it would not even get going: stuck over this step, though barely
                 fill_jacobian(p, time, current, 0.0, y, active, count - 2, w)
