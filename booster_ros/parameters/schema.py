@@ -61,7 +61,7 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
             'after ~/reset', -1e5, 1e7, 'vented'),
         Description(
             'initial_state.valve_position', -1.0, 'm', 'valve position at the start and after '
-            '~/reset; negative: where the spring balances the pressure', -1.0, 10.0, 'at rest'),
+            '~/reset; negative: where the forces on the stem balance', -1.0, 10.0, 'at rest'),
         Description(
             'initial_state.control_current', 0.0, 'A', 'control current in force, and settled '
             'at, at the start and after ~/reset', -1.0, 1.0, 'vented'),
