@@ -4,6 +4,7 @@
 
 from dataclasses import replace
 
+from made_diagnosis import diagnosis_of, timed_columns
 from made_search import P, TIME, seen
 import numpy as np
 import pytest
@@ -16,7 +17,10 @@ from booster_ros.diagnosis.result import FoundEffect, Interval
 from booster_ros.diagnosis.screening import with_effect
 from booster_ros.diagnosis.valley import at_the_bottom, slopes_along_axes
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.report.html_report import html_page
+from booster_ros.report.provenance import Provenance
 
+FROM = Provenance('valve.csv', 'positioner.yaml')
 NAMES = ('ep_converter.offset', 'booster.intake_preload', 'booster.exhaust_preload')
 PER_PASCAL = P.booster.s1
 """Newton by which the one preload has to rise, the other to fall, for a pascal of offset."""
@@ -107,3 +111,11 @@ def test_sizes_of_which_each_may_be_none_are_said_to_be_known_together(lowest, s
             'booster.intake_preload and booster.exhaust_preload: each may be none, but not all')
     alone = replace(found, parameters={NAMES[1]: parameters[NAMES[1]]})
     assert not either((alone, replace(found, name='unknown', parameters={})))
+
+
+def test_the_page_says_it_below_their_intervals():
+    parameters = {name: Interval(0.03, 0.0, 0.06, 'N') for name in NAMES[1:]}
+    found = FoundEffect('booster_dead_band', 'booster', parameters, (), '', {})
+    page = html_page(diagnosis_of(timed_columns(), 'effect', effects=(found,)), FROM)
+    added = page[page.index('What was added'):]
+    assert 0 < added.index('0 to 0.0600') < added.index('each may be none, but not all')

@@ -10,6 +10,8 @@ Takes minutes, most of them for the sealed chambers.
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Sequence
 import sys
 
 from tqdm import tqdm
@@ -38,8 +40,11 @@ def section(record: MeasuredRecord) -> str:
     return page.section(record, diagnosis)
 
 
-def main() -> int:
+def main(args: Sequence[str] | None = None) -> int:
     """Write the page and its figures; return the exit status."""
+    argparse.ArgumentParser(
+        prog='measured', description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter).parse_args(args)
     sections = [section(record) for record in tqdm(RECORDS, desc='records')]
     experiment, declared, _ = FLOW_BENCH.experiment()
     across = page.across_supplies(supplies.predictions(experiment, declared))
