@@ -9,9 +9,9 @@ from hidden_plant.confusion.cells import GROUPS, Cell, cells_of
 from hidden_plant.confusion.figure import write_matrix
 from hidden_plant.confusion.judging import OUTCOMES, Found, judge
 from hidden_plant.confusion.page import page, share
-from hidden_plant.confusion.running import (
-    ROOT, Result, Results, RunError, last_decision, run_cells)
+from hidden_plant.confusion.running import Result, Results, last_decision, run_cells
 from hidden_plant.effects import EFFECTS
+from hidden_plant.program import ROOT, RunError
 import pytest
 
 LEAK = Found('chamber_leak', 'chamber')

@@ -63,13 +63,16 @@ def test_a_summary_counts():
                               'other record 3.00/2.00 -> 1.20/1.60 x noise; 30 s')
 
 
-def test_a_folder_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_folder_is_scored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
     case = 'sample_booster_dead_band'
     for name in (f'{case}.yaml', f'{case}_fit.csv', f'{case}_val.csv'):
         shutil.copy(SAMPLES / name, tmp_path)
     key = {case: {'names': ['booster_dead_band'], 'location': 'booster'}}
     (tmp_path / 'key.json').write_text(json.dumps(key))
-    score, = scored(tmp_path)
+    monkeypatch.chdir(tmp_path.parent)  # programs run elsewhere
+    score, = scored(Path(tmp_path.name))
     assert score.said == 'booster_dead_band'
     assert score.named
     assert score.placed

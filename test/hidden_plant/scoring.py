@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 import json
 from pathlib import Path
 import statistics
-import subprocess
 import sys
 from tempfile import TemporaryDirectory
 import time
@@ -20,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .program import RunError, run_program
 from .sensors import POSITION_NOISE, PRESSURE_NOISE
 
-ROOT = Path(__file__).resolve().parents[2]
 NOISE = {'chamber_pressure': PRESSURE_NOISE, 'valve_position': POSITION_NOISE}
 NEAR = 1.5
 """Up to so many times the noise, in pressure and in position, a record counts as met."""
@@ -58,24 +57,24 @@ def main(args: Sequence[str] | None = None) -> int:
             print(line_of(score), flush=True)
             scores.append(score)
         print(summary_of(scores))
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, RunError) as error:
         print(f'scoring: {error}', file=sys.stderr)
         return 2
     return 0
 
 
 def scored(folder: Path, cases: Sequence[str] = ()) -> Iterator[Score]:
-    """Yield the score of each case; ValueError where a program fails on one."""
+    """Yield the score of each case; RunError where a program fails on one."""
     key = json.loads((folder / 'key.json').read_text(encoding='utf-8'))
     for case in cases or sorted(key):
-        yield _score(folder, case, key[case])
+        yield _score(folder.resolve(), case, key[case])
 
 
 def _score(folder: Path, case: str, hidden: dict) -> Score:
     with TemporaryDirectory() as out:
         started = time.monotonic()
-        _run('close_loop', '--record', folder / f'{case}_fit.csv',
-             '--params', folder / f'{case}.yaml', '--out', out)
+        run_program('close_loop', '--record', folder / f'{case}_fit.csv',
+                    '--params', folder / f'{case}.yaml', '--out', out)
         seconds = time.monotonic() - started
         report = json.loads((Path(out) / 'report.json').read_text(encoding='utf-8'))
         other = folder / f'{case}_val.csv'
@@ -136,21 +135,12 @@ def summary_of(scores: Sequence[Score]) -> str:
 def _missed(parameters: Path, record: Path) -> tuple[float, ...]:
     """Return the root mean square error of each channel on a record, over its noise."""
     out = parameters.parent / 'simulated.csv'
-    _run('simulate', '--params', parameters, '--input', record, '--out', out)
+    run_program('simulate', '--params', parameters, '--input', record, '--out', out)
     simulated, measured = (np.genfromtxt(path, delimiter=',', names=True)
                            for path in (out, record))
     out.unlink()
     return tuple(float(np.sqrt(np.mean((simulated[name] - measured[name])**2))) / noise
                  for name, noise in NOISE.items())
-
-
-def _run(*words: str | Path) -> None:
-    done = subprocess.run(
-        [sys.executable, '-m', 'booster_ros', *map(str, words)],
-        cwd=ROOT, capture_output=True, text=True, check=False)
-    if done.returncode:
-        said = done.stderr.strip().splitlines() or [f'ended with {done.returncode}']
-        raise ValueError(f'{words[0]}: {said[-1]}')
 
 
 if __name__ == '__main__':

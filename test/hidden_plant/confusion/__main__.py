@@ -13,11 +13,12 @@ from tqdm import tqdm
 from ..currents import KINDS
 from ..declared import SPREADS
 from ..effects import SIZES
+from ..program import ROOT, RunError
 from .cells import GROUPS, Cell, cells_of
 from .figure import write_matrix
 from .judging import OUTCOMES
 from .page import page
-from .running import ROOT, Result, Results, RunError, line_of, run_cell, run_cells
+from .running import Result, Results, line_of, run_cell, run_cells
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -8,22 +8,15 @@ from dataclasses import dataclass
 import json
 from pathlib import Path
 import re
-import subprocess
-import sys
 from threading import Lock
 import time
 
 import numpy as np
 
 from ..cases import write_case
+from ..program import ROOT, RunError, run_program
 from .cells import Cell, values_of
 from .judging import Found, Judgement, judge
-
-ROOT = Path(__file__).resolve().parents[3]
-
-
-class RunError(Exception):
-    """A run of close_loop that failed; its text is what the program said."""
 
 
 @dataclass(frozen=True)
@@ -124,13 +117,8 @@ def run_cell(cell: Cell, folder: Path) -> Result:
     records = folder.resolve() / case.name
     out = folder.resolve() / f'{case.name}_out'
     started = time.monotonic()
-    done = subprocess.run(
-        [sys.executable, '-m', 'booster_ros', 'close_loop', '--record', f'{records}_fit.csv',
-         '--params', f'{records}.yaml', '--validation', f'{records}_val.csv', '--out', str(out)],
-        cwd=ROOT, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RunError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else
-                       f'close_loop ended with {done.returncode}')
+    run_program('close_loop', '--record', f'{records}_fit.csv', '--params', f'{records}.yaml',
+                '--validation', f'{records}_val.csv', '--out', out)
     seconds = time.monotonic() - started
     report = json.loads((out / 'report.json').read_text(encoding='utf-8'))
     return Result(cell, tuple(
