@@ -9,11 +9,10 @@ from made_search import P, TIME, seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.diagnose import either
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.freedom import declared_freedom
 from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
-from booster_ros.diagnosis.result import FoundEffect, Interval
+from booster_ros.diagnosis.result import FoundEffect, Interval, either
 from booster_ros.diagnosis.screening import with_effect
 from booster_ros.diagnosis.valley import at_the_bottom, slopes_along_axes
 from booster_ros.model.catalogue import EFFECTS
@@ -26,15 +25,11 @@ PER_PASCAL = P.booster.s1
 """Newton by which the one preload has to rise, the other to fall, for a pascal of offset."""
 
 
-def put_all(parameters, **values):
-    """Return the parameters with several of the booster's changed."""
-    return parameters._replace(booster=parameters.booster._replace(**values))
-
-
 @pytest.fixture(scope='module')
 def fitted():
     """Return problem and fit of a dead band, 30 mN on either side, beside declared parameters."""
-    experiment = seen(put_all(P, intake_preload=0.03, exhaust_preload=0.03))
+    experiment = seen(P._replace(booster=P.booster._replace(
+        intake_preload=0.03, exhaust_preload=0.03)))
     declared = Problem(experiment, np.ones(len(TIME), dtype=bool), P,
                        tuple(declared_freedom(P, experiment)))
     problem = with_effect(declared, EFFECTS['booster_dead_band'])
@@ -53,11 +48,12 @@ def places(problem):
 
 def along_the_valley(problem):
     """Return the step in z that raises the offset by one standard deviation, and seats with it."""
+    offset, intake, exhaust = places(problem)
     step = np.zeros(len(problem.start()))
-    for j, sign in zip(places(problem), (0.0, 1.0, -1.0)):
-        free = problem.freedoms[j]
-        pascals = problem.freedoms[places(problem)[0]].scale
-        step[j] = sign * PER_PASCAL * pascals / free.scale if sign else 1.0
+    force = PER_PASCAL * problem.freedoms[offset].scale
+    step[offset] = 1.0
+    step[intake] = force / problem.freedoms[intake].scale
+    step[exhaust] = -force / problem.freedoms[exhaust].scale
     return step
 
 
@@ -105,12 +101,13 @@ def test_sizes_of_which_each_may_be_none_are_said_to_be_known_together(lowest, s
     parameters = {name: Interval(0.03, low, 0.06, 'N')
                   for name, low in zip(NAMES[1:], (0.0, lowest))}
     found = FoundEffect('booster_dead_band', 'booster', parameters, (), '', {})
-    assert bool(either((found,))) == said
+    assert bool(either(found)) == said
     if said:
-        assert either((found,))[0].startswith(
+        assert either(found).startswith(
             'booster.intake_preload and booster.exhaust_preload: each may be none, but not all')
     alone = replace(found, parameters={NAMES[1]: parameters[NAMES[1]]})
-    assert not either((alone, replace(found, name='unknown', parameters={})))
+    assert not either(alone)
+    assert not either(replace(found, name='unknown', parameters={}))
 
 
 def test_the_page_says_it_below_their_intervals():

@@ -23,7 +23,7 @@ from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm)
+    ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
@@ -148,7 +148,8 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         _errors(experiment, runs, locked), _suspects(tried, unnamed, table, refused),
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), runs,
-        (*notes, *_cornered(refitted), *known_together(effects, last), *either(effects),
+        (*notes, *_cornered(refitted), *known_together(effects, last),
+         *filter(None, map(either, effects)),
          *_replaced(search.declared, after.parameters),
          *chance(experiment, after.parameters, after.initial, 'this record')),
         refused=refused)
@@ -205,21 +206,6 @@ def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
         f'{one.name} went from {one.given:.4g} to {one.after:.4g} {one.unit}, the end of what a '
         'refit allows: its value is no measurement, and the model may lack something else'
         for one in refitted if one.at_limit)
-
-
-def either(effects: tuple[FoundEffect, ...]) -> tuple[str, ...]:
-    """Return a sentence for each effect of which any size may be none, but not all of them."""
-    said = []
-    for effect in effects:
-        knobs = {knob.parameter: knob for knob in EFFECTS[effect.name].knobs if not knob.shape
-                 } if effect.name in EFFECTS else {}
-        intervals = {name: found for name, found in effect.parameters.items() if name in knobs}
-        if len(intervals) > 1 and all(
-                found.low <= knobs[name].neutral <= found.high
-                for name, found in intervals.items()):
-            said.append(f'{" and ".join(intervals)}: each may be none, but not all: this record '
-                        'shows what they do together, with declared parameters beside them')
-    return tuple(said)
 
 
 def known_together(effects: tuple[FoundEffect, ...], last: LastFit) -> tuple[str, ...]:

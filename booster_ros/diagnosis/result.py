@@ -9,6 +9,7 @@ import numpy as np
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.segments import Segment
 from booster_ros.model import discrepancy as term
+from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
 
@@ -39,6 +40,20 @@ class FoundEffect:
     confused_with: tuple[str, ...]
     separating_experiment: str
     evidence: dict[str, float]
+
+
+def either(effect: FoundEffect) -> str:
+    """Return a sentence where each of several sizes may be none, but not all of them, else ''."""
+    if effect.name not in EFFECTS:
+        return ''
+    sizes = [knob for knob in EFFECTS[effect.name].knobs
+             if not knob.shape and knob.parameter in effect.parameters]
+    intervals = [effect.parameters[knob.parameter] for knob in sizes]
+    if len(sizes) < 2 or not all(
+            found.low <= knob.neutral <= found.high for knob, found in zip(sizes, intervals)):
+        return ''
+    return (f'{" and ".join(knob.parameter for knob in sizes)}: each may be none, but not all: '
+            'this record shows what they do together, with declared parameters beside them')
 
 
 @dataclass(frozen=True)

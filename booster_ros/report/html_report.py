@@ -10,10 +10,9 @@ from string import Template
 
 import numpy as np
 
-from booster_ros.diagnosis.diagnose import either
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.late_commands import commands_may_be_late
-from booster_ros.diagnosis.result import Diagnosis, FoundEffect
+from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
 from booster_ros.report import figures
 from booster_ros.report.engineering import number, scale_of, si_text
 from booster_ros.report.explanation import best_explanation, explained_share
@@ -200,7 +199,8 @@ def _effects(diagnosis: Diagnosis) -> str:
         content += [
             f'<h3>{escape(effect_label(effect.name))}, in '
             f'{escape(place_label(effect.location))}</h3>',
-            effect_table(effect), *map(paragraph, either((effect,))), _evidence(effect)]
+            effect_table(effect), *map(paragraph, filter(None, [either(effect)])),
+            _evidence(effect)]
     return section('What was added', *content)
 
 
