@@ -84,7 +84,9 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
     problem = search.on(candidate.problem, USED, 1)
     if has_dry_friction(candidate.fit.parameters.actuator):
         return _through_slips(search, problem, candidate)
-    fit = at_the_bottom(problem, _without_slips(problem, candidate))
+    fit = _without_slips(problem, candidate)
+    if not _unnamed(candidate):  # a term is fitted on with gentle ends, and has no intervals
+        fit = at_the_bottom(problem, fit)
     return LastFit(problem, problem.without_unseen(fit))
 
 
@@ -132,7 +134,7 @@ def _better(problem: Problem, fit: Fit, starts: list[Array]) -> Fit:
 
 
 def _unnamed(candidate: Candidate) -> bool:
-    return candidate.effects[0].startswith(UNNAMED)
+    return bool(candidate.effects) and candidate.effects[0].startswith(UNNAMED)
 
 
 def _term(search: Search, candidate: Candidate, before: LastFit) -> LastFit:
