@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Experiments and searches made of short simulations, for tests of the steps of a diagnosis."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from booster_ros.diagnosis.experiment import Experiment, Initial
@@ -15,6 +17,11 @@ P = PositionerParameters()
 TIME = np.arange(0.0, 30.0, 0.01)
 CURRENT = np.interp(TIME, [0.0, 5.0, 15.0, 20.0, 30.0], [3.6e-4, 3.6e-4, 4.4e-4, 3.8e-4, 3.8e-4])
 START_PRESSURE = 1.7e5
+RAMPS_TIME = np.arange(0.0, 120.0, 0.02)
+RAMPS = np.interp(
+    RAMPS_TIME, np.arange(0.0, 121.0, 6.0),
+    1e-4 * np.array([4.0, 4.3, 4.1, 4.5, 4.2, 4.0, 4.4, 4.3, 4.6, 4.1, 4.2, 4.5, 4.0, 4.4, 4.2, 4.5,
+                     4.3, 4.1, 4.4, 4.2, 4.3]))
 
 
 def seen(parameters, departure=None, pressure=START_PRESSURE, current=CURRENT, seed=1, time=TIME):
@@ -39,3 +46,17 @@ def searching(experiment, names):
     """Return the search for these effects."""
     return Search(experiment, split(experiment.time, experiment.current), P,
                   tuple(declared_freedom(P, experiment)), names)
+
+
+def standing_at(search, effects, values):
+    """Return the model with these effects where its parameters have these values, not fitted."""
+    problem = search.joint(search.problem(), effects)
+    z = problem.start()
+    for j, free in enumerate(problem.freedoms):
+        if free.knob.parameter in values:
+            z[j] = free.variable(values[free.knob.parameter])
+        elif free.knob.shape:
+            z[j] = free.without_size
+    fit = problem.at(z)
+    residuals = problem.residuals(z)
+    return search.rate(effects, problem, replace(fit, cost=float(residuals @ residuals)))

@@ -6,7 +6,8 @@ from dataclasses import replace
 import itertools
 
 from made_diagnosis import BENT, DECLARED, record_of, timed_columns, unknown_found
-from made_search import CURRENT, P, TIME, searching, seen, steps_seen
+from made_search import (
+    CURRENT, P, RAMPS, RAMPS_TIME, TIME, searching, seen, standing_at, steps_seen)
 import numpy as np
 import pytest
 
@@ -23,14 +24,14 @@ from booster_ros.diagnosis.rematch import _by_slips, _plainest_above, rematch
 from booster_ros.diagnosis.result import UnknownTerm
 from booster_ros.diagnosis.screening import (
     references, screen, strong_frequencies, with_effect)
-from booster_ros.diagnosis.segments import USED, rows_of, split
+from booster_ros.diagnosis.segments import USED
 from booster_ros.diagnosis.selection import Tried, _backward, compared, named
 from booster_ros.diagnosis.teaching import taught
 from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import (
-    CHAMBER, KNOTS, STEM, TIME as OVER_TIME, VALVE_POSITION, Discrepancy)
+    CHAMBER, KNOTS, STEM, TIME as OVER_TIME, Discrepancy)
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure
 
@@ -242,13 +243,6 @@ def test_an_effect_is_not_blamed_for_what_only_a_select_segment_teaches():
     assert tried.chosen.fit.parameters.actuator.leak_area == pytest.approx(1e-8, rel=0.2)
 
 
-RAMPS_TIME = np.arange(0.0, 120.0, 0.02)
-RAMPS = np.interp(
-    RAMPS_TIME, np.arange(0.0, 121.0, 6.0),
-    1e-4 * np.array([4.0, 4.3, 4.1, 4.5, 4.2, 4.0, 4.4, 4.3, 4.6, 4.1, 4.2, 4.5, 4.0, 4.4, 4.2, 4.5,
-                     4.3, 4.1, 4.4, 4.2, 4.3]))
-
-
 @pytest.mark.parametrize(('restriction', 'effects'), [
     (0.0, ('ep_hysteresis',)), (4.2e-6, ('ep_hysteresis', 'tubing_restriction'))])
 def test_a_second_effect_is_found_also_where_the_first_leaves_what_could_be_noise(
@@ -419,35 +413,6 @@ def test_a_declared_term_that_gave_way_to_another_is_named():
     assert 'stem over time' in note
 
 
-@pytest.mark.parametrize('stays', [True, False])
-def test_a_term_that_the_locked_part_speaks_against_is_not_in_the_model(stays):
-    """It was there as long as was looked, and the other way round when that part came."""
-    wave = 300.0 * np.sin(np.linspace(0.0, 6.0, KNOTS))
-    always, turned = (seen(P._replace(discrepancy=Discrepancy(
-        STEM, VALVE_POSITION, 0.0, 0.016, tuple(sign * wave))), None, 1.7e5, RAMPS, 4, RAMPS_TIME)
-        for sign in (1.0, -1.0))
-    locked = rows_of(split(RAMPS_TIME, RAMPS), ('test',), len(RAMPS_TIME))
-    experiment = always if stays else replace(always, measured={
-        name: np.where(locked, turned.measured[name], values)
-        for name, values in always.measured.items()})
-    search = searching(experiment, ())
-    refit = search.refit()
-    tried = Tried(refit, refit, (refit,), {frozenset(): 'refitted'})
-    found = diagnose._conclude(search, tried, best_terms(search, tried)[:1], ())
-    assert found.verdict == 'unknown'
-    assert [effect.location for effect in found.effects] == ['stem']
-    assert found.added == stays == (found.refused is None)
-    if stays:
-        assert found.after.discrepancy.location == STEM
-        return
-    assert found.after == found.before
-    assert found.unknown is None
-    assert found.suspects[0].reason.startswith('does not stand')
-    for name, error in found.held_out.items():
-        assert error.after == error.before
-        assert found.refused.error[name] > error.before
-
-
 @pytest.mark.parametrize('reached', [None, 0, 700])
 def test_a_model_that_cannot_run_scores_infinitely_however_far_it_came(reached):
     search = searching(seen(P), ())
@@ -463,22 +428,6 @@ def test_a_model_that_cannot_run_scores_infinitely_however_far_it_came(reached):
 
     lost = Lost(problem.experiment, problem.rows, problem.base, problem.freedoms)
     assert search.rate((), lost, problem.at(problem.start())).score == np.inf
-
-
-def test_what_a_refused_term_displaced_has_to_stand_as_well(monkeypatch):
-    search = searching(steps_seen(put(P, 'actuator.spring_bend', 400.0), STEPS, 1.7e5, seed=5),
-                       ('spring_nonlinearity',))
-    refit = search.refit()
-    poor = standing_at(search, ('spring_nonlinearity',), {'actuator.spring_bend': 100.0})
-    tried = Tried(refit, poor, (refit, poor), {frozenset(): '', frozenset(poor.effects): ''})
-    terms_found = best_terms(search, tried)[:1]
-    assert preferable(terms_found[0], tried)
-    monkeypatch.setattr(diagnose, 'stands', lambda errors: False)
-    found = diagnose._conclude(search, tried, terms_found, ())
-    assert (found.verdict, found.added) == ('unknown', False)
-    assert found.after == found.before
-    (fate,) = [one.reason for one in found.suspects if one.effects == poor.effects]
-    assert fate.startswith('does not stand')
 
 
 def test_what_was_dropped_from_the_other_record_is_said():
@@ -520,20 +469,6 @@ LEAKING = P._replace(actuator=P.actuator._replace(
     coulomb_friction=400.0, stiction=100.0, presliding_stiffness=1e7, leak_area=4e-8))
 RUBBING = {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 100.0,
            'actuator.stribeck_velocity': P.actuator.stribeck_velocity}
-
-
-def standing_at(search, effects, values):
-    """Return the model with these effects where its parameters have these values, not fitted."""
-    problem = search.joint(search.problem(), effects)
-    z = problem.start()
-    for j, free in enumerate(problem.freedoms):
-        if free.knob.parameter in values:
-            z[j] = free.variable(values[free.knob.parameter])
-        elif free.knob.shape:
-            z[j] = free.without_size
-    fit = problem.at(z)
-    residuals = problem.residuals(z)
-    return search.rate(effects, problem, replace(fit, cost=float(residuals @ residuals)))
 
 
 def test_what_lies_above_a_stem_that_sticks_is_taken_from_there():

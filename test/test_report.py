@@ -387,11 +387,12 @@ def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):
     assert verdict_title(diagnosis) == 'The model lacks something that no named effect explains'
     said = ' '.join(verdict_sentences(diagnosis))
     assert 'A smooth term in the stem over the valve position' in said
-    assert 'It is not in the model' in said
+    assert '4 % of these data go beyond the range in which it was seen. It is not in' in said
     assert 'with the unnamed term' not in html_page(diagnosis, FROM)
     values = json.loads(json_text(diagnosis, FROM))
     assert values['unknown'] is None
     assert values['refused']['location'] == 'stem'
+    assert values['refused']['beyond'] == 0.04
     write_parameter_files(tmp_path, diagnosis, FROM, {})
     assert 'ADDED' not in (tmp_path / 'positioner.yaml').read_text()
 

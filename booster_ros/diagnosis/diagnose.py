@@ -7,23 +7,22 @@ The named effects are selected (selection), terms without a name compete with th
 locked test part is opened once, and everything is put into words and numbers.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
-
 import numpy as np
 
 from booster_ros.diagnosis.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.birthplace import where_born
 from booster_ros.diagnosis.candidate import Candidate, best_of_each, gain, told_apart
-from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
+from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Fit
 from booster_ros.diagnosis.freedom import Free, get
 from booster_ros.diagnosis.intervals import interval_of, shapes_of, traded
-from booster_ros.diagnosis.last_fit import LastFit, last_fit, verdict_of
+from booster_ros.diagnosis.last_fit import LastFit, last_fit
+from booster_ros.diagnosis.locked_part import (
+    DOES_NOT_STAND, errors_of, less_the_locked_part, opened)
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either)
+    Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named
@@ -39,11 +38,6 @@ Array = np.ndarray
 NEAR_LIMIT = 0.01
 """A declared parameter this near the end of its range, relative to its way there, is at it: a fit
 in the inside of the range comes near its ends and does not touch them."""
-
-STANDS = 1.1
-"""Squared error of the locked part, relative to that without, up to which a term stands."""
-
-_DOES_NOT_STAND = 'does not stand: the locked part is missed by more with it'
 
 
 def diagnose(
@@ -83,13 +77,6 @@ def _check_parts(experiment: Experiment, segments: list[Segment]) -> None:
                 f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
 
 
-def less_the_locked_part(experiment: Experiment, segments: list[Segment]) -> Experiment:
-    """Return the experiment without the values that nothing may be chosen by."""
-    rows = rows_of(segments, USED, len(experiment.time))
-    return replace(experiment, measured={
-        name: np.where(rows, values, np.nan) for name, values in experiment.measured.items()})
-
-
 def _sought(search: Search, refit: Candidate, tell: Progress) -> tuple[Tried, list[Candidate]]:
     """Return the models with named effects, and the terms without a name that compete with them."""
     unnamed: list[Candidate] = []
@@ -115,65 +102,30 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
               ) -> Diagnosis:
     """Refit on all but the locked part, open that part once, and collect the numbers."""
     experiment = search.experiment
-    size = len(experiment.time)
-    rows, locked = rows_of(search.segments, USED, size), rows_of(search.segments, ('test',), size)
+    rows = rows_of(search.segments, USED, len(experiment.time))
     refit = last_fit(search, tried.refit)
-    verdict, tried, last = verdict_of(search, tried, unnamed, refit)
-    runs = {
-        'declared': experiment.predict(search.declared),
-        'before': experiment.predict(refit.fit.parameters, refit.fit.initial),
-        'after': experiment.predict(last.fit.parameters, last.fit.initial),
-    }
-    refused = None
-    if verdict == 'unknown' and not stands(_errors(experiment, runs, locked)):
-        refused = _refused(last.fit, _errors(experiment, runs, locked))
-        verdict, tried, last = verdict_of(search, tried, [], refit)
-        runs['after'] = experiment.predict(last.fit.parameters, last.fit.initial)
-        if not stands(_errors(experiment, runs, locked)):  # what it displaced does no better
-            verdict, tried, last = 'none', _none_of(tried), refit
-            runs['after'] = runs['before']
+    found = opened(search, tried, unnamed, refit)
+    tried, last = found.tried, found.last
     before, after = refit.fit, last.fit
     effects: tuple[FoundEffect, ...] = ()
     table = None
-    if verdict == 'effect':
+    if found.verdict == 'effect':
         effects = _found(tried, last)
-    elif verdict == 'unknown':
+    elif found.refused is not None:  # what it was made for is there all the same
+        effects = (_nameless(found.refused.location, unnamed[:1]),)
+    elif found.verdict == 'unknown':
         effects, table = _found_unknown(unnamed, after)
-    elif refused is not None:  # what it was made for is there all the same
-        verdict = 'unknown'
-        effects = (_nameless(refused.location, unnamed[:1]),)
     refitted = _refitted(before, after, search)
     return Diagnosis(
-        verdict, effects, table, _errors(experiment, runs, rows),
-        _errors(experiment, runs, locked), _suspects(tried, unnamed, table, refused),
+        found.verdict, effects, table, errors_of(experiment, found.runs, rows),
+        found.errors, _suspects(tried, unnamed, table, found.refused),
         refitted, search.declared, before.parameters, after.parameters,
-        experiment, tuple(search.segments), runs,
+        experiment, tuple(search.segments), found.runs,
         (*notes, *_cornered(refitted), *known_together(effects, last),
          *filter(None, map(either, effects)),
          *_replaced(search.declared, after.parameters),
          *chance(experiment, after.parameters, after.initial, 'this record')),
-        refused=refused)
-
-
-def stands(errors: Mapping[str, ChannelError]) -> bool:
-    """Tell whether data that were not fitted are missed by no more with what was added to them."""
-    seen = [error for error in errors.values() if np.isfinite(error.before)]
-    before = sum((error.before / error.noise)**2 for error in seen)
-    after = sum((error.after / error.noise)**2 for error in seen)
-    return after <= STANDS * max(before, len(seen))
-
-
-def _none_of(tried: Tried) -> Tried:
-    """Return the models tried with nothing chosen, for what was does not stand."""
-    return replace(tried, chosen=tried.refit, reasons={
-        **tried.reasons, frozenset(tried.chosen.effects): _DOES_NOT_STAND})
-
-
-def _refused(fit: Fit, errors: Mapping[str, ChannelError]) -> Refused:
-    term = UnknownTerm(fit.parameters.discrepancy)
-    return Refused(place_of(term.table.location), term.variable,
-                   {name: error.after for name, error in errors.items()
-                    if np.isfinite(error.after)})
+        refused=found.refused)
 
 
 def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
@@ -195,7 +147,7 @@ def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Ref
     if added is not None:
         return 'chosen: structure that no named effect predicts'
     if refused is not None:
-        return _DOES_NOT_STAND
+        return DOES_NOT_STAND
     return ('fitted to all but the locked part, it explains too little'
             if preferable(term, tried) else 'not clearly better than the named effects')
 
@@ -224,17 +176,6 @@ def _replaced(declared: PositionerParameters, found: PositionerParameters) -> tu
         return ()
     return (f'the declared term without a name ({label_of(had.location, had.variable)}) is no '
             'longer in the model: a model holds one, and the one that was found took its place',)
-
-
-def _errors(experiment: Experiment, runs: dict[str, dict[str, Array]], rows: Array
-            ) -> dict[str, ChannelError]:
-    errors = {}
-    for name, measured in experiment.measured.items():
-        declared, before, after = (
-            rmse(measured, runs[stage][name], rows) for stage in ('declared', 'before', 'after'))
-        errors[name] = ChannelError(
-            UNITS[name], declared, before, after, experiment.noise[name])
-    return errors
 
 
 def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:

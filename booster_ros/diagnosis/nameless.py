@@ -66,7 +66,7 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     """
     if not compete(tried):
         return []
-    foreseen = bool(tried.chosen.effects) and _leave_less(tried, FORESEEN)
+    foreseen = bool(tried.chosen.effects) and leave_less(tried, FORESEEN)
     candidates = []
     for label, joint, z in _likely(search, tried.refit, foreseen):
         fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))  # places differ by little
@@ -104,11 +104,11 @@ def compete(tried: Tried) -> bool:
     chosen = tried.chosen
     sticks, several = has_dry_friction(chosen.fit.parameters.actuator), len(chosen.effects) > 1
     enough = NEAR_NOISE if several or (chosen.effects and not sticks) else WELL_EXPLAINED
-    nearly_all = chosen.effects and _leave_less(tried, MOSTLY) and (sticks or not several)
+    nearly_all = chosen.effects and leave_less(tried, MOSTLY) and (sticks or not several)
     return chosen.misfit >= enough and not nearly_all
 
 
-def _leave_less(tried: Tried, share: float) -> bool:
+def leave_less(tried: Tried, share: float) -> bool:
     """Tell whether named effects leave less than this share of the declared model's excess."""
     return tried.held_out.misfit - 1.0 < share * (tried.refit.misfit - 1.0)
 
@@ -137,7 +137,7 @@ def preferable(unnamed: Candidate, tried: Tried) -> bool:
     named = tried.held_out
     if not tried.chosen.effects or clearly_better(unnamed, named):
         return True
-    weak = len(tried.chosen.effects) > 1 or not _leave_less(tried, FORESEEN)
+    weak = len(tried.chosen.effects) > 1 or not leave_less(tried, FORESEEN)
     return weak and named.misfit > FAITHFUL and unnamed.score < named.score
 
 

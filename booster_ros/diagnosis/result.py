@@ -115,6 +115,9 @@ class UnknownTerm:
 AS_GOOD_AS_MEASURED = 1.3
 """Ratio of error to noise up to which a model is called as good as the measurement."""
 
+WORTH_SAYING = 0.01
+"""Share of rows beyond what a model has been fitted to from which that is said."""
+
 
 @dataclass(frozen=True)
 class ChannelError:
@@ -129,11 +132,16 @@ class ChannelError:
 
 @dataclass(frozen=True)
 class Refused:
-    """A term without a name that did not stand: place and variable, errors held out with it."""
+    """
+    A term without a name that did not stand: place and variable, errors held out with it.
+
+    `beyond` is the share of what was held out that goes beyond what it was seen in.
+    """
 
     location: str
     variable: str
     error: dict[str, float]
+    beyond: float
 
 
 @dataclass(frozen=True)

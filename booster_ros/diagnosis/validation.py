@@ -9,7 +9,7 @@ import numpy as np
 from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
-from booster_ros.diagnosis.result import ChannelError, Diagnosis
+from booster_ros.diagnosis.result import WORTH_SAYING, ChannelError, Diagnosis
 from booster_ros.diagnosis.unknown import followed
 from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
@@ -18,9 +18,6 @@ Array = np.ndarray
 
 START = 5.0
 """Time from the beginning of the record that says where it starts, s."""
-
-WORTH_SAYING = 0.01
-"""Share of rows beyond what the first record has seen from which that is said."""
 
 FULLY = 0.999
 """Share of its largest area from which a seat is fully open."""

@@ -1,0 +1,145 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The locked part, which nothing is chosen by: it is opened once, and what does not stand there falls.
+
+1. Named effects that left much where they were chosen and leave much there as well have explained
+   little, and give way to the best term without a name. Not where the stem sticks: the right
+   friction may miss single slips by more than none.
+2. A term without a name that makes the error larger there is refused.
+3. Named effects that it had been preferred to count if they do not leave much there.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.candidate import Candidate
+from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
+from booster_ros.diagnosis.last_fit import LastFit, verdict_of
+from booster_ros.diagnosis.nameless import FAITHFUL, FORESEEN, leave_less
+from booster_ros.diagnosis.result import ChannelError, Refused, UnknownTerm
+from booster_ros.diagnosis.search import Search
+from booster_ros.diagnosis.segments import USED, Segment, rows_of
+from booster_ros.diagnosis.selection import Tried
+from booster_ros.diagnosis.unknown import followed, place_of
+from booster_ros.model.actuator import has_dry_friction
+
+Array = np.ndarray
+
+STANDS = 1.1
+"""Squared error of the locked part, relative to that without, up to which a term stands."""
+
+DOES_NOT_STAND = 'does not stand: the locked part is missed by more with it'
+EXPLAINS_LITTLE = 'leaves much of what is missing, in the locked part as well'
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """
+    A verdict (none, effect, unknown) with its fit, and what the locked part says of it.
+
+    `tried` are the models tried, the chosen one as far as it stands; `runs` are predictions by
+    stage, `errors` those of the locked part by channel.
+    """
+
+    verdict: str
+    tried: Tried
+    last: LastFit
+    runs: dict[str, dict[str, Array]]
+    errors: dict[str, ChannelError]
+    refused: Refused | None = None
+
+
+def less_the_locked_part(experiment: Experiment, segments: list[Segment]) -> Experiment:
+    """Return the experiment without the values that nothing may be chosen by."""
+    rows = rows_of(segments, USED, len(experiment.time))
+    return replace(experiment, measured={
+        name: np.where(rows, values, np.nan) for name, values in experiment.measured.items()})
+
+
+def opened(search: Search, tried: Tried, unnamed: list[Candidate], refit: LastFit) -> Opened:
+    """Return the verdict that stands in the locked part; terms without a name best first."""
+    experiment = search.experiment
+    locked = rows_of(search.segments, ('test',), len(experiment.time))
+    first = {
+        'declared': experiment.predict(search.declared),
+        'before': experiment.predict(refit.fit.parameters, refit.fit.initial)}
+
+    def judged(tried: Tried, unnamed: list[Candidate]) -> Opened:
+        verdict, tried, last = verdict_of(search, tried, unnamed, refit)
+        runs = {**first, 'after': experiment.predict(last.fit.parameters, last.fit.initial)}
+        return Opened(verdict, tried, last, runs, errors_of(experiment, runs, locked))
+
+    found = judged(tried, unnamed)
+    if unnamed and _explain_little(found):
+        term = judged(_none_of(found.tried), unnamed)
+        found = found if term.verdict == 'none' else term
+    if found.verdict != 'unknown' or stands(found.errors):
+        return found
+    refused = _refused(experiment, found, locked)
+    found = judged(found.tried, [])
+    if found.verdict == 'effect' and leave_much(found.errors):
+        found = judged(_none_of(found.tried), [])
+    return replace(found, refused=refused,
+                   verdict='unknown' if found.verdict == 'none' else found.verdict)
+
+
+def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
+              ) -> dict[str, ChannelError]:
+    """Return by channel what runs miss these rows by; runs by stage: declared, before, after."""
+    errors = {}
+    for name, measured in experiment.measured.items():
+        declared, before, after = (
+            rmse(measured, runs[stage][name], rows) for stage in ('declared', 'before', 'after'))
+        errors[name] = ChannelError(
+            UNITS[name], declared, before, after, experiment.noise[name])
+    return errors
+
+
+def stands(errors: Mapping[str, ChannelError]) -> bool:
+    """Tell whether data that were not fitted are missed by no more with what was added to them."""
+    before, after, noise = _squares(errors)
+    return after <= STANDS * max(before, noise)
+
+
+def leave_much(errors: Mapping[str, ChannelError]) -> bool:
+    """Tell whether what was added leaves a good share of what is missing, and more than noise."""
+    before, after, noise = _squares(errors)
+    enough = max((FAITHFUL - 1.0) * noise, FORESEEN * (before - noise))
+    return not after - noise <= enough  # also where the model did not come to the end
+
+
+def _squares(errors: Mapping[str, ChannelError]) -> tuple[float, float, float]:
+    """Return sums of squares over the channels: before, after, and of noise; in that of noise."""
+    seen = [error for error in errors.values() if np.isfinite(error.before)]
+    return (sum((error.before / error.noise)**2 for error in seen),
+            sum((error.after / error.noise)**2 for error in seen), float(len(seen)))
+
+
+def _explain_little(found: Opened) -> bool:
+    """Tell whether named effects leave much where they were chosen and in the locked part."""
+    if found.verdict != 'effect' or has_dry_friction(found.last.fit.parameters.actuator):
+        return False
+    chosen = found.tried
+    return (chosen.held_out.misfit > FAITHFUL and not leave_less(chosen, FORESEEN)
+            and leave_much(found.errors))
+
+
+def _none_of(tried: Tried) -> Tried:
+    """Return the models tried with nothing chosen, for what was has explained little."""
+    return replace(tried, chosen=tried.refit, reasons={
+        **tried.reasons, frozenset(tried.chosen.effects): EXPLAINS_LITTLE})
+
+
+def _refused(experiment: Experiment, found: Opened, locked: Array) -> Refused:
+    fit = found.last.fit
+    term = UnknownTerm(fit.parameters.discrepancy)
+    run = experiment.simulate(fit.parameters, fit.initial)
+    course = followed(fit.parameters, experiment.time, run.columns, fit.initial.departure.past)
+    beyond = (course < term.seen[0]) | (course > term.seen[1])
+    return Refused(
+        place_of(term.table.location), term.variable,
+        {name: error.after for name, error in found.errors.items() if np.isfinite(error.after)},
+        float(np.mean(beyond[locked])))
