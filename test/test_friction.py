@@ -80,8 +80,9 @@ def z_of(problem, values):
 def test_the_damping_of_a_packing_is_found_from_each_but_not_from_much_of_it():
     values = RIGID | {'actuator.presliding_stiffness': 2e7, 'actuator.presliding_damping': 0.3}
     problem = problem_of(values)
-    much = problem.fit_through_slips(z_of(problem, values | {'actuator.presliding_damping': 2.5}))
-    fits = [problem.fit_through_slips(z) for z in each_damping(problem, much.z)]
+    start = z_of(problem, values | {'actuator.presliding_damping': 2.5})
+    much = problem.fit_through_slips(start)
+    fits = [problem.fit_through_slips(z) for z in each_damping(problem, start)]
     best = min(fits, key=lambda fit: problem.cost_through_slips(fit.z))
     assert much.parameters.actuator.presliding_damping > 2.0
     assert best.parameters.actuator.presliding_damping < 0.6

@@ -103,11 +103,11 @@ def test_nothing_leaves_physics(sizes, effects, law, levels):
     {'actuator.moving_mass': 0.0315, 'actuator.spring_s_curve': 127e3},
 ], ids=lambda values: ' '.join(name.split('.')[1] for name in values))
 def test_what_is_over_within_a_microsecond_is_followed(values):
-    ends = []
+    means = []
     for dt in (0.01, 1e-3):
         time = rows(3.0, dt)
         current = np.array([0.6e-3, 0.3e-3, 0.45e-3, 0.45e-3])[(time + 1e-9).astype(int)]
         run = simulate(positioner(values), time, current, {'chamber_pressure': 200e3})
-        ends.append(run['chamber_pressure'][-1])
-    # of what slips no two ends are the same
-    assert ends[0] == pytest.approx(ends[1], abs=1e3)
+        means.append(np.mean(run['chamber_pressure'][time > 2.5]))
+    # not the ends: by then another slip may have begun, or not
+    assert means[0] == pytest.approx(means[1], abs=500.0)

@@ -227,6 +227,11 @@ def presliding_friction(act: Actuator, force: float, rate: float) -> float:
     return force + damping / act.presliding_stiffness * rate
 
 
+def presliding_time(act: Actuator) -> float:
+    """Return 1/ω of the moving mass on a packing that yields, s."""
+    return math.sqrt(act.moving_mass / act.presliding_stiffness)
+
+
 def breakaway_friction(act: Actuator, position: float) -> float:
     """Return the force that a stem at rest withstands, N."""
     return sliding_friction(act, position, 0.0)

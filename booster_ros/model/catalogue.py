@@ -61,7 +61,7 @@ def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob) ->
 
 
 # a stiffer packing yields less than sensors tell; a rigid one says the same and is simulated faster
-_PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 2e8, 0.0, inverse=1, shape=True)
+_PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 1e8, 0.0, inverse=1, shape=True)
 _PRESLIDING_DAMPING = Knob(
     'actuator.presliding_damping', 1.0, 0.2, 3.0, 1.0, shape=True, clocked=True)
 

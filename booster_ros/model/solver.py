@@ -12,18 +12,19 @@ One call of `advance` takes the state over one interval in which all inputs stan
 
 Steps are linearly implicit (`rodas3`), but for a stem that slips: within milliseconds nothing is
 stiff any more, and accuracy asks for steps that an explicit method of higher order
-(`dormand_prince`) does better.
+(`dormand_prince`) does better. A packing that yields makes such steps as well.
 
 The functions work on lists (plain Python) and on numpy arrays (compiled) alike.
 """
 
 import math
 
+from .actuator import presliding_time
 from .ahead import begin_ahead, covers, finish, go_along
 from .dormand_prince import ORDER as EXPLICIT_ORDER, contraction, explicit_step
 from .rodas3 import ORDER as IMPLICIT_ORDER, fill_jacobian, implicit_step
 from .system import (
-    CHAMBER, DIRECTION, STATES, STEP_AHEAD, STIFFNESS, TRIAL_STEP, VELOCITY,
+    CHAMBER, DIRECTION, PRESLIDING, STATES, STEP_AHEAD, STIFFNESS, TRIAL_STEP, VELOCITY,
     PositionerParameters, breakaway_excess, derivatives, friction_time_scale, slip_direction,
     sticks)
 from .workspace import Workspace, new_workspace
@@ -51,6 +52,12 @@ FIRST_SLIP_STEP = 3e-4
 
 LONGEST_EXPLICIT = 2e-3
 """A sliding stem's steps up to this length, s, are explicit unless they turn out to be stiff."""
+
+LONGEST_EXPLICIT_YIELDING = 6.0
+"""
+Where the packing yields, trial steps up to this length, in times of the stem on it, are explicit
+unless they turn out to be stiff: slips, then, and what follows them, not what creeps.
+"""
 
 STIFF = 2.5
 STIFF_STEPS = 3
@@ -145,6 +152,9 @@ def advance(
     """
     smallest = length / FINEST_DIVISION
     dry = sticks(p) and count > 0 and active[count - 1] == VELOCITY
+    fast = 0.0
+    if count > 0 and active[count - 1] == PRESLIDING:
+        fast = LONGEST_EXPLICIT_YIELDING * presliding_time(p.actuator)
     left = length
     rates_known = False
     while left > 0.0:
@@ -173,8 +183,10 @@ def advance(
         step = min(memory[TRIAL_STEP], max(left, longest_ahead))
         if direction != 0.0:
             step = min(step, max(friction_time_scale(p, y, w.rates), smallest))
-        explicit = (direction != 0.0 and step <= LONGEST_EXPLICIT
-                    and memory[STIFFNESS] < STIFF_STEPS)
+        short = memory[TRIAL_STEP] <= fast or (direction != 0.0 and step <= LONGEST_EXPLICIT)
+        if fast > 0.0 and not short:
+            memory[STIFFNESS] = 0.0
+        explicit = short and memory[STIFFNESS] < STIFF_STEPS
         if not explicit:
             fill_jacobian(p, time, current, direction, y, active, moving, w)
         # the explicit method is one for equations with time (and slower where that stands)
