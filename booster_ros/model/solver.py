@@ -53,10 +53,10 @@ FIRST_SLIP_STEP = 3e-4
 LONGEST_EXPLICIT = 2e-3
 """A sliding stem's steps up to this length, s, are explicit unless they turn out to be stiff."""
 
-LONGEST_EXPLICIT_YIELDING = 6.0
+YIELDING_EXPLICIT = 6.0
 """
-Where the packing yields, trial steps up to this length, in times of the stem on it, are explicit
-unless they turn out to be stiff: slips, then, and what follows them, not what creeps.
+Where the packing yields, trial steps up to this, in times of the stem on it, are explicit as well:
+slips, then, and what follows them, not what creeps.
 """
 
 STIFF = 2.5
@@ -154,7 +154,7 @@ def advance(
     dry = sticks(p) and count > 0 and active[count - 1] == VELOCITY
     fast = 0.0
     if count > 0 and active[count - 1] == PRESLIDING:
-        fast = LONGEST_EXPLICIT_YIELDING * presliding_time(p.actuator)
+        fast = min(LONGEST_EXPLICIT, YIELDING_EXPLICIT * presliding_time(p.actuator))
     left = length
     rates_known = False
     while left > 0.0:

@@ -148,13 +148,14 @@ def _sentences_on_refused(refused: Refused, errors: Mapping[str, ChannelError]) 
         before = errors[name].before
         scale = side_by_side(errors[name].unit, (before, error))
         changes.append(f'{channel_label(name)} from {scale.text(before)} to {scale.text(error)}')
-    beyond = refused.beyond >= WORTH_SAYING and (
-        f'{100.0 * refused.beyond:.0f} % of these data go beyond the range in which it was seen. ')
+    beyond = '' if refused.beyond < WORTH_SAYING else (
+        f'{100.0 * refused.beyond:.0f} % of these data go beyond the range in which it was seen, '
+        'where it says nothing. ')
     return [
         f'A smooth term in {place_label(refused.location)} over the '
         f'{channel_label(refused.variable)} explains part of what it was fitted to, but data '
         f'{_UNSEEN} speak against it: there the error goes with it in {listing(changes)}. '
-        f'{beyond or ""}It is not in the model.',
+        f'{beyond}It is not in the model.',
         f'That {place_label(refused.location)} is the place is a guess.']
 
 
