@@ -612,7 +612,7 @@ def test_kinds_of_friction_are_told_by_what_slips_do(true, kind):
         'actuator.presliding_stiffness': 0.0})
     slips = standing_at(search, ('stem_friction',), {
         'actuator.coulomb_friction': 115.0, 'actuator.stiction': 20.0,
-        'actuator.presliding_stiffness': 1.3e8, 'actuator.viscous_friction': 5000.0})
+        'actuator.presliding_stiffness': 9e7, 'actuator.viscous_friction': 5000.0})
     ranked = preferred_first([bent, slips])
     assert ranked[0].misfit > 2.0
     assert ranked[0].effects != (kind,)
