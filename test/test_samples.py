@@ -111,11 +111,17 @@ def test_a_fit_of_a_stem_that_sticks_gets_through_the_roughness_of_its_slips(pac
 
 
 def test_the_means_over_slips_show_how_much_friction_there_is(packing):
-    """A fit of all rows at once stops with 32 N of friction exchanged for stiction, from here."""
+    """
+    A fit of all rows at once stops with 32 N of friction exchanged for stiction, from here.
+
+    Where one through slips stops is chance as well, to some ten newtons.
+    """
     _, problem = packing
     far = {'actuator.coulomb_friction': 500.0, 'actuator.stiction': 250.0,
            'actuator.presliding_stiffness': 1.5e7, 'actuator.stribeck_velocity': 1.3e-3}
-    fit = problem.fit_through_slips(begin_with(problem, far, 0.0), EVALUATIONS)
+    begin = begin_with(problem, far, 0.0)
+    fits = [problem.fit_through_slips(begin + away, EVALUATIONS) for away in NEXT_TO]
+    fit = min(fits, key=lambda fit: problem.cost_through_slips(fit.z))
     found = fit.parameters.actuator
     assert found.coulomb_friction == pytest.approx(550.0, abs=16.0)
     assert found.stiction == pytest.approx(192.5, abs=16.0)
