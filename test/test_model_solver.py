@@ -8,6 +8,7 @@ import math
 import numpy as np
 from positioner_runs import PAPER_CURRENT, current_for, paper_test, positioner, rows, settled_at
 import pytest
+from scipy.integrate import solve_ivp
 
 from booster_ros.benchmark import cases
 from booster_ros.benchmark.reference import reference
@@ -19,10 +20,12 @@ from booster_ros.model.system import (
     BACK,
     CHAMBER,
     MEMORIES,
+    OUTLET,
     POSITION,
     STATES,
     VELOCITY,
     PositionerParameters,
+    derivatives,
     start_memory,
 )
 
@@ -255,6 +258,29 @@ def test_a_stream_in_portions_is_the_whole_run(values):
         # the sum behind the dead time starts elsewhere, so its last digits may differ
         assert np.abs(joined - column).max() <= 1e-6 * np.abs(column).max(), name
     assert np.allclose(stream.state, whole.final_state, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize('stiffness', [5e7, 1e8])
+def test_slips_of_a_packing_that_yields_are_those_of_another_solver(stiffness):
+    """Ten slips and more in a second, of which each begins where the one before has ended."""
+    p = positioner({'actuator.coulomb_friction': 300.0, 'actuator.stiction': 200.0,
+                    'actuator.presliding_stiffness': stiffness})
+    time, current, initial = rows(1.0), 0.44e-3, {'chamber_pressure': 170e3}
+    start = Stream(p, 0.0, current, initial).state
+    active = active_states(p)
+
+    def slopes(moment, values):
+        y, rates = start.copy(), np.zeros(STATES)
+        y[active] = values
+        y[OUTLET] = y[CHAMBER]
+        derivatives(p, moment, current, 0.0, y, rates)
+        return rates[active]
+
+    exact = solve_ivp(slopes, (0.0, time[-1]), start[active], 'LSODA', time, rtol=1e-8, atol=1e-9)
+    run = simulate(p, time, np.full(len(time), current), initial)
+    assert np.sum(np.diff(np.sign(run['stem_velocity'] - 1e-3)) > 0.0) >= 10
+    assert np.ptp(run['valve_position']) > 1.5e-3
+    assert run['valve_position'] == pytest.approx(exact.y[active.index(POSITION)], abs=3e-6)
 
 
 def test_where_portions_end_changes_no_bit():
