@@ -17,12 +17,11 @@ from booster_ros.diagnosis.fit import Fit
 from booster_ros.diagnosis.freedom import Free, get
 from booster_ros.diagnosis.intervals import interval_of, shapes_of, traded
 from booster_ros.diagnosis.last_fit import LastFit, last_fit
-from booster_ros.diagnosis.locked_part import (
-    DOES_NOT_STAND, errors_of, less_the_locked_part, opened)
+from booster_ros.diagnosis.locked_part import DOES_NOT_STAND, less_the_locked_part, opened
 from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
-    Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either)
+    Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either, errors_of)
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
 from booster_ros.diagnosis.selection import Progress, Tried, compared, named

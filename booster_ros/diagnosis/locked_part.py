@@ -16,14 +16,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.candidate import Candidate
-from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
+from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.last_fit import LastFit, verdict_of
 from booster_ros.diagnosis.nameless import FAITHFUL, FORESEEN, leave_less
-from booster_ros.diagnosis.result import ChannelError, Refused, UnknownTerm
+from booster_ros.diagnosis.result import ChannelError, Refused, UnknownTerm, errors_of
 from booster_ros.diagnosis.search import Search
 from booster_ros.diagnosis.segments import USED, Segment, rows_of
 from booster_ros.diagnosis.selection import Tried
-from booster_ros.diagnosis.unknown import followed, place_of
+from booster_ros.diagnosis.unknown import beyond, place_of
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
@@ -86,18 +86,6 @@ def opened(search: Search, tried: Tried, unnamed: list[Candidate], refit: LastFi
                    verdict='unknown' if found.verdict == 'none' else found.verdict)
 
 
-def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
-              ) -> dict[str, ChannelError]:
-    """Return by channel what runs miss these rows by; runs by stage: declared, before, after."""
-    errors = {}
-    for name, measured in experiment.measured.items():
-        declared, before, after = (
-            rmse(measured, runs[stage][name], rows) for stage in ('declared', 'before', 'after'))
-        errors[name] = ChannelError(
-            UNITS[name], declared, before, after, experiment.noise[name])
-    return errors
-
-
 def stands(errors: Mapping[str, ChannelError]) -> bool:
     """Tell whether data that were not fitted are missed by no more with what was added to them."""
     before, after, noise = _squares(errors)
@@ -122,8 +110,7 @@ def _explain_little(found: Opened) -> bool:
     """Tell whether named effects leave much where they were chosen and in the locked part."""
     if found.verdict != 'effect' or has_dry_friction(found.last.fit.parameters.actuator):
         return False
-    chosen = found.tried
-    return (chosen.held_out.misfit > FAITHFUL and not leave_less(chosen, FORESEEN)
+    return (found.tried.held_out.misfit > FAITHFUL and not leave_less(found.tried, FORESEEN)
             and leave_much(found.errors))
 
 
@@ -136,10 +123,8 @@ def _none_of(tried: Tried) -> Tried:
 def _refused(experiment: Experiment, found: Opened, locked: Array) -> Refused:
     fit = found.last.fit
     term = UnknownTerm(fit.parameters.discrepancy)
-    run = experiment.simulate(fit.parameters, fit.initial)
-    course = followed(fit.parameters, experiment.time, run.columns, fit.initial.departure.past)
-    beyond = (course < term.seen[0]) | (course > term.seen[1])
+    outside = beyond(term.seen, experiment, fit.parameters, fit.initial)
     return Refused(
         place_of(term.table.location), term.variable,
         {name: error.after for name, error in found.errors.items() if np.isfinite(error.after)},
-        float(np.mean(beyond[locked])))
+        float(np.mean(outside[locked])))

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a diagnosis says: plain data, for the report, the files and the tests."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.segments import Segment
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
@@ -128,6 +129,18 @@ class ChannelError:
     before: float
     after: float
     noise: float
+
+
+def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
+              ) -> dict[str, ChannelError]:
+    """Return by channel what runs miss these rows by; runs by stage: declared, before, after."""
+    errors = {}
+    for name, measured in experiment.measured.items():
+        declared, before, after = (
+            rmse(measured, runs[stage][name], rows) for stage in ('declared', 'before', 'after'))
+        errors[name] = ChannelError(
+            UNITS[name], declared, before, after, experiment.noise[name])
+    return errors
 
 
 @dataclass(frozen=True)

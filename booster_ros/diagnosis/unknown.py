@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.descent import straight
-from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import START, Fit, Problem
 from booster_ros.diagnosis.freedom import Free
 from booster_ros.model import discrepancy as term
@@ -176,6 +176,14 @@ def _places_in_play(p: PositionerParameters, columns: Mapping[str, Array], past:
         places[k] = place_in_play(p.discrepancy, past, force)
         past = force - p.discrepancy.reach * places[k]
     return np.clip(places, -1.0, 1.0)  # but for rounding they are
+
+
+def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParameters,
+           initial: Initial) -> Array:
+    """Tell of each row, shape (n,), whether a run takes the variable of its term beyond `seen`."""
+    run = experiment.simulate(p, initial)
+    course = followed(p, experiment.time, run.columns, initial.departure.past)
+    return (course < seen[0]) | (course > seen[1])
 
 
 def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
+from booster_ros.diagnosis.experiment import Experiment, Initial
 from booster_ros.diagnosis.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
-from booster_ros.diagnosis.result import WORTH_SAYING, ChannelError, Diagnosis
-from booster_ros.diagnosis.unknown import followed
+from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, errors_of
+from booster_ros.diagnosis.unknown import beyond
 from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
 
@@ -29,12 +29,9 @@ def validated(
     """Return the diagnosis with the errors of its models on this experiment, and its notes."""
     stages = (diagnosis.declared, diagnosis.before, diagnosis.after)
     starts = [_start(experiment, parameters) for parameters in stages]
-    runs = [experiment.predict(*one) for one in zip(stages, starts)]
-    everywhere = np.ones(len(experiment.time), dtype=bool)
-    errors = {}
-    for name, measured in experiment.measured.items():
-        declared, before, after = (rmse(measured, run[name], everywhere) for run in runs)
-        errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
+    runs = {stage: experiment.predict(*one) for stage, one in zip(
+        ('declared', 'before', 'after'), zip(stages, starts))}
+    errors = errors_of(experiment, runs, np.ones(len(experiment.time), dtype=bool))
     return replace(diagnosis, validation=errors, notes=(
         *diagnosis.notes, *(f'the other record: {note}' for note in notes),
         *_of_other_channels(diagnosis.experiment, experiment),
@@ -57,9 +54,7 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tup
     unknown = diagnosis.unknown
     if unknown is None:
         return ()
-    run = experiment.simulate(diagnosis.after, start)
-    seen = followed(diagnosis.after, experiment.time, run.columns, start.departure.past)
-    share = float(np.mean((seen < unknown.seen[0]) | (seen > unknown.seen[1])))
+    share = float(np.mean(beyond(unknown.seen, experiment, diagnosis.after, start)))
     if share < WORTH_SAYING:
         return ()
     return (f'{100.0 * share:.0f} % of the other record lies beyond the {unknown.variable} in '
