@@ -387,6 +387,7 @@ def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):
     assert verdict_title(diagnosis) == 'The model lacks something that no named effect explains'
     said = ' '.join(verdict_sentences(diagnosis))
     assert 'A smooth term in the stem over the valve position' in said
+    assert 'It is not in the model' in said
     assert '4 % of these data go beyond the range in which it was seen' in said
     within = replace(diagnosis, refused=replace(diagnosis.refused, beyond=0.0))
     assert 'go beyond' not in ' '.join(verdict_sentences(within))
