@@ -10,7 +10,7 @@ from booster_ros.diagnosis.noise_colour import Noise
 from booster_ros.diagnosis.preparation import DWELL_COMMANDED, SETTLING, prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
-from booster_ros.records import RecordError
+from booster_ros.records import RecordError, read_record
 from booster_ros.records.cleaning import clean
 
 DECLARED = PositionerParameters()
@@ -92,6 +92,20 @@ def test_a_record_without_a_drive_and_a_response_is_refused_in_one_sentence(colu
         prepare(record_of(**columns), DECLARED)
     for name in columns.keys() - {'time'}:
         assert name in str(caught.value)
+
+
+def test_a_column_that_was_ignored_may_be_the_one_that_lacks(tmp_path):
+    """A name that is nearly one of a record's is asked for where nothing can be compared."""
+    csv = tmp_path / 'plant.csv'
+    csv.write_text('time,control_current,chamber_presure,pos_mm\n' + ''.join(
+        f'{row / 10},0.0004,{1000 * row},{row}\n' for row in range(40)))
+    with pytest.raises(RecordError) as caught:
+        prepare(read_record(csv), DECLARED)
+    sentence = str(caught.value)
+    assert 'has control_current, and nothing downstream of that to compare' in sentence
+    assert 'column chamber_presure: not a column of a record, ignored (is it chamber_pressure?)' \
+        in sentence
+    assert 'column pos_mm' in sentence
 
 
 def test_flow_without_a_known_opening_is_left_out_and_that_is_said():

@@ -106,6 +106,15 @@ def test_of_pressure_and_position_the_first_row_alone_is_read(tmp_path, params):
         assert np.array_equal(odd[name], column), name
 
 
+def test_a_column_of_nearly_a_known_name_is_asked_for(tmp_path, params):
+    """The run starts vented without that pressure, which nothing else would tell."""
+    source = write(tmp_path / 'in.csv', 'time,control_current,chamber_presure\n0,0.0004,2e5\n')
+    done = start(params, source, tmp_path / 'out.csv')
+    assert done.returncode == 0
+    assert (f'{source}: row 1, column chamber_presure: not a column of a record, ignored '
+            '(is it chamber_pressure?)') in done.stderr.splitlines()
+
+
 def test_an_empty_current_keeps_the_one_before(tmp_path, params):
     result = run_here(
         tmp_path, params, 'time,control_current\n0,0.0004\n0.5,\n1.0,\n1.0,0.0003\n2.0,\n')

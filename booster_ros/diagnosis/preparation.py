@@ -61,7 +61,8 @@ def prepare(
     seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
     record, idle = _without_idle_command(record)
-    record, sparse = _without_sparse(record, roles(record.columns, record.source).compared)
+    needed = roles(record.columns, record.source, record.ignored).compared
+    record, sparse = _without_sparse(record, needed)
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
     check_scales(columns, declared, record.source)

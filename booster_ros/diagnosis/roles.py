@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which channels of a record drive the model and which are compared with it."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from booster_ros.records import COLUMNS, RecordError
@@ -32,11 +32,12 @@ class Roles:
         return ('control_current', *self.pinned) if self.commanded else self.pinned
 
 
-def roles(present: Collection[str], source: str) -> Roles:
+def roles(present: Collection[str], source: str, ignored: Sequence[str] = ()) -> Roles:
     """
     Return the roles of the columns present: the most upstream ones drive, the others are compared.
 
-    RecordError where nothing would be left to compare, or nothing says what moves the valve.
+    RecordError where nothing would be left to compare, or nothing says what moves the valve. It
+    ends with what is said of columns that were `ignored`: the one that lacks may be among them.
     """
     timed = 'time' in present
     supply = tuple(name for name in ('supply_pressure',) if name in present)
@@ -44,10 +45,12 @@ def roles(present: Collection[str], source: str) -> Roles:
     if found is None or not found.compared:
         columns = ', '.join(name for name in COLUMNS if name in present and name != 'time')
         clock = '' if timed else ' and no time'
-        raise RecordError(
-            f'{source}: nothing can be compared with the model: the record has {columns}{clock}, '
+        lacks = 'and nothing downstream of that to compare' if found else (
             'and needs a drive (control_current, back_pressure or chamber_pressure) and a channel '
             'downstream of it')
+        raise RecordError('; '.join((
+            f'{source}: nothing can be compared with the model: the record has {columns}{clock}, '
+            f'{lacks}', *ignored)))
     return found
 
 

@@ -17,7 +17,9 @@ from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import CsvWriter, RecordError, check_inputs_stay, csv_columns, first_row, iterate_csv
+from ..records import (
+    CsvWriter, RecordError, check_inputs_stay, csv_columns, csv_header_notes, first_row,
+    iterate_csv)
 from ..records.holding import last_known
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
@@ -57,6 +59,8 @@ def _simulate(options: argparse.Namespace, check: Callable[[], None]) -> None:
     check_inputs_stay([options.input, options.params], [options.out], '--out')
     parameters = from_values(read_parameter_file(options.params).physical)
     _check_columns(options.input)
+    for note in csv_header_notes(options.input):
+        print(f'{options.input}: {note}', file=sys.stderr, flush=True)
     announce_compilation()
     run(parameters, options.input, options.out, check)
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 from booster_ros.records.cleaning import clean
 from booster_ros.records.csv_file import (
-    CsvWriter, csv_columns, first_row, iterate_csv, read_csv)
+    CsvWriter, csv_columns, csv_header_notes, first_row, iterate_csv, read_csv)
 from booster_ros.records.record import COLUMNS, Defect, Record, RecordError
 from booster_ros.records.target import check_inputs_stay
 
 __all__ = [
     'COLUMNS', 'CsvWriter', 'Defect', 'Record', 'RecordError', 'check_inputs_stay', 'csv_columns',
-    'first_row', 'is_bag', 'iterate_csv', 'read_record',
+    'csv_header_notes', 'first_row', 'is_bag', 'iterate_csv', 'read_record',
 ]
 
 _BAG_SUFFIXES = {'.mcap', '.db3'}

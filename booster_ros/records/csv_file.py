@@ -37,6 +37,12 @@ def csv_columns(path: str | os.PathLike[str]) -> tuple[str, ...]:
         return header.names
 
 
+def csv_header_notes(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Return a sentence for each column of a CSV that is ignored or read under another name."""
+    with _opened(path) as (header, _):
+        return tuple(map(str, header.defects))
+
+
 def read_csv(path: str | os.PathLike[str]) -> tuple[dict[str, Array], Array, tuple[Defect, ...]]:
     """Return the known columns of a CSV as they are, the row numbers, and notes on the header."""
     source = str(path)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import difflib
 import re
 
-from booster_ros.records.record import COLUMNS, Defect, RecordError
+from booster_ros.records.record import (
+    COLUMNS, UNKNOWN_COLUMN, Defect, RecordError)
 
 _BYTE_ORDER_MARK = b'\xef\xbb\xbf'
 _OTHER_ENCODINGS = {
@@ -70,9 +71,11 @@ def read_header(line: bytes, source: str) -> Header:
         if name != cell.strip():
             defects.append(Defect('renamed_column', cell.strip(), 1, 1, 1, f'read as {name}'))
     if not set(positions) - {'time'}:
+        asked = ', '.join(f'{cell.strip()}{question}' for cell in cells
+                          if (question := _question(cell)) and _normalised(cell) not in COLUMNS)
         raise RecordError(
-            f'{source}, row 1: no known column beside time; a record has some of '
-            f'{", ".join(COLUMNS)}'
+            f'{source}, row 1: no known column beside time{asked and ": "}{asked}; a record has '
+            f'some of {", ".join(COLUMNS)}'
         )
     if 'time' not in positions:
         _refuse_disguised_time(cells, source)
@@ -112,9 +115,14 @@ def _without_unit(cell: str, source: str) -> str:
 
 def _ignored(cell: str, place: int) -> Defect:
     label = cell.strip() or f'number {place + 1}'
+    treatment = f'not a column of a record, ignored{_question(cell)}'
+    return Defect(UNKNOWN_COLUMN, label, 1, 1, 1, treatment)
+
+
+def _question(cell: str) -> str:
+    """Return whether a known column is meant that the name is close to, '' where it is to none."""
     near = difflib.get_close_matches(_normalised(cell), COLUMNS, n=1, cutoff=0.75)
-    question = f' (is it {near[0]}?)' if near else ''
-    return Defect('unknown_column', label, 1, 1, 1, f'not a column of a record, ignored{question}')
+    return f' (is it {near[0]}?)' if near else ''
 
 
 def _refuse_disguised_time(cells: list[str], source: str) -> None:

@@ -47,6 +47,9 @@ COLUMNS: Mapping[str, Column] = {
 MEASURED = ('chamber_pressure', 'valve_position', 'back_pressure', 'mass_flow', 'supply_pressure')
 """Sensor signals; `control_current` is a command and changes in steps."""
 
+UNKNOWN_COLUMN = 'unknown_column'
+"""Kind of the defect of a column that is none of a record."""
+
 
 @dataclass(frozen=True)
 class Defect:
@@ -108,6 +111,11 @@ class Record:
     def notes(self) -> tuple[str, ...]:
         """Everything that was dropped, mended or found odd, one sentence each."""
         return tuple(str(defect) for defect in self.defects)
+
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """Those of the notes that are on columns which are none of a record."""
+        return tuple(str(one) for one in self.defects if one.kind == UNKNOWN_COLUMN)
 
     def stretches(self) -> list[slice]:
         """Return the slices between the gaps in time; a simulation must not run across one."""
