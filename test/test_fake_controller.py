@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+import io
 from pathlib import Path
 import signal
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import positioner_process
@@ -21,6 +23,7 @@ from std_msgs.msg import Float64, String
 
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import Plant
+from booster_ros.nodes.progress import Progress
 from booster_ros.nodes.silence import Silence
 from booster_ros.records import Record, read_record
 
@@ -320,6 +323,32 @@ def test_lockstep_needs_the_rate_of_the_positioner(positioner):
         assert 'publish_rate / step_ticks of positioner, 100 Hz' in node.output
 
 
+@pytest.mark.parametrize('lockstep', [False, True])
+def test_a_current_that_the_positioner_refuses_is_not_recorded(tmp_path, lockstep):
+    """It stays at the one before: a row with the one that was sent would be false."""
+    csv = tmp_path / 'record.csv'
+    here = ('-r', '__ns:=/strict')
+    with positioner_process.start(*here), controller(
+        *here, levels=[1e-4, 3e-3], dwell=1.0, lockstep=lockstep, record_csv=csv,
+    ) as node:
+        assert node.wait() == 2
+    complaint, = (line for line in node.stderr if not line.startswith('['))
+    assert complaint.startswith('fake_controller: 0.003 A is outside the current_limits of ')
+    assert complaint.endswith(
+        'positioner, 0 to 0.002 A: it does not follow that, so that it cannot be recorded')
+    record = read_record(csv)
+    assert set(record['control_current']) == {1e-4}
+    assert 0.7 < record['time'][-1] <= 1.0
+
+
+def test_of_a_current_that_the_positioner_refuses_is_warned_once(positioner):
+    """In the position loop, which begins at 4 mA here."""
+    with controller(mode='position', levels=[0.008], dwell=1.0, loop_bias=4e-3,
+                    loop_current_limits=[0.0, 4e-3]) as node:
+        assert node.wait() == 0, node.output
+    assert node.output.count(' A is outside the current_limits of /positioner') == 1
+
+
 def test_the_config_file_is_the_default_but_for_the_feedback(positioner):
     with controller(
         '--params-file', 'config/fake_controller.yaml', dwell=0.05, rate=200,
@@ -337,3 +366,13 @@ def test_a_client_that_sees_the_commands_needs_no_positioner(ros_client: RosClie
         received = ros_client.receive('/stub/control_current', Float64, 5)
         assert node.wait() == 0, node.output
     assert {message.data for message in received} == {3e-4}
+
+
+def test_each_tenth_of_a_profile_is_told_once(monkeypatch):
+    """Also where seconds divided by a tenth are a whole number but for rounding, as 22 / 4.4."""
+    monkeypatch.setattr('sys.stderr', io.StringIO())
+    told: list[str] = []
+    progress = Progress(44.0, SimpleNamespace(info=told.append))
+    for tick in range(4401):
+        progress.show(tick / 100)
+    assert [line.split()[-1] for line in told] == [f'{share}%' for share in range(10, 101, 10)]

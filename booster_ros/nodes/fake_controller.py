@@ -36,6 +36,7 @@ from ..parameters.sections import files_on
 from ..records.record import RecordError
 from ..records.recording import Recording
 from ..records.target import check_inputs_stay
+from .current_limits import CurrentLimits
 from .declaration import declare_table, files_without_section
 from .feedback import Feedback
 from .lockstep import Lockstep
@@ -88,6 +89,8 @@ class FakeController(Node):
             QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self._currents = self.create_publisher(Float64, 'control_current', QUEUE_DEPTH)
         self._set_points = self.create_publisher(Float64, '~/set_point', QUEUE_DEPTH)
+        self._limits = CurrentLimits(self)
+        self._complained = False
         time = NodeTime(self)
         self._pace = self._make_pace(time)
         self._feedback = Feedback(
@@ -108,7 +111,7 @@ class FakeController(Node):
     def _make_pace(self, time: NodeTime) -> Pace:
         settings = self._settings
         if settings.lockstep:
-            return Lockstep(self, settings.positioner, settings.rate)
+            return Lockstep(self, settings.positioner, settings.rate, self._limits)
         return RealTime(self, time, settings.rate, lambda: self.get_logger().warning(
             'the clock jumped backwards: the profile goes on from where it was'))
 
@@ -146,6 +149,7 @@ class FakeController(Node):
         in_the_way = self._in_the_way()
         now = self._seconds()
         if not in_the_way:
+            self._ask_limits()
             if self._complete_since is None:
                 self._complete_since = now
             if self._settings.lockstep or now - self._complete_since >= SETTLING:
@@ -161,6 +165,12 @@ class FakeController(Node):
             raise ParameterError(
                 'no positioner to play to within wait_timeout '
                 f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}')
+
+    def _ask_limits(self) -> None:
+        """Ask who answers the commands, where more is wanted of it than to hear them."""
+        if self._needed():
+            for name in self._feedback.publishers():
+                self._limits.ask(name)
 
     def _in_the_way(self) -> list[str]:
         """Return what keeps the profile from being played."""
@@ -192,10 +202,20 @@ class FakeController(Node):
         """Send the command for so many seconds after the start, at a stamp in ns."""
         self._played = played
         self._current = self._command.current(played, self._position)
+        self._check_limits()
         self._recording.sent(self._current, stamp)
         self._currents.publish(Float64(data=self._current))
         self._set_points.publish(Float64(data=self._command.set_point))
         self._progress.show(played)
+
+    def _check_limits(self) -> None:
+        """Complain of a current that is not followed; of a record it would make a false one."""
+        complaint = self._limits.complaint(self._current)
+        if complaint and self._recorded_to():
+            raise ParameterError(f'{complaint}, so that it cannot be recorded')
+        if complaint and not self._complained:
+            self._complained = True
+            self.get_logger().warning(complaint)
 
     def repeat(self) -> None:
         """Send the last command again."""
@@ -269,9 +289,9 @@ class FakeController(Node):
             self._close_recording()
             # The node's own logger also publishes, which it no longer can.
             logger = get_logger(f'{self.get_logger().name}.end')
+            partial = self._recorded_to() and f'; partial: {self._recorded_to()}'
             logger.warning(
-                f'interrupted after {self._played:.2f} of {self.duration:g} s; partial: '
-                f'{self._recorded_to() or "nothing recorded"}')
+                f'interrupted after {self._played:.2f} of {self.duration:g} s{partial}')
             left_behind = self._pace.left_behind()
             if left_behind:
                 logger.warning(left_behind)

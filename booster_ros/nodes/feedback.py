@@ -50,13 +50,17 @@ class Feedback:
 
     def crowded_topics(self) -> list[str]:
         """Return the topics that several nodes publish, each with the names of these nodes."""
-        found = []
-        for subscription in self._subscriptions:
-            nodes = [f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in
-                     self._node.get_publishers_info_by_topic(subscription.topic_name)]
-            if len(nodes) > 1:
-                found.append(f'{subscription.topic_name} ({", ".join(sorted(nodes))})')
-        return found
+        crowds = {one.topic_name: self._publishers(one.topic_name) for one in self._subscriptions}
+        return [f'{topic} ({", ".join(nodes)})' for topic, nodes in crowds.items()
+                if len(nodes) > 1]
+
+    def publishers(self) -> set[str]:
+        """Return the names of the nodes that publish the outputs."""
+        return {name for one in self._subscriptions for name in self._publishers(one.topic_name)}
+
+    def _publishers(self, topic: str) -> list[str]:
+        return sorted(f'{info.node_namespace.rstrip("/")}/{info.node_name}'
+                      for info in self._node.get_publishers_info_by_topic(topic))
 
     def _now(self) -> int:
         return self._time.now() + self._time.stamp_offset()

@@ -19,6 +19,7 @@ from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
 from ..model.parameters import ParameterError
+from .current_limits import LIMITS, CurrentLimits
 from .pace import Player
 from .tick_clock import NANOSECONDS
 
@@ -37,11 +38,12 @@ class Lockstep:
     clocks show. At the end the positioner runs on, unless it was started paused.
     """
 
-    def __init__(self, node: Node, positioner: str, rate: float) -> None:
+    def __init__(self, node: Node, positioner: str, rate: float, limits: CurrentLimits) -> None:
         self._begin = 0
         self._node = node
         self._positioner = positioner
         self._rate = rate
+        self._limits = limits
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._pause = node.create_client(SetBool, f'{positioner}/pause')
         self._reset = node.create_client(Trigger, f'{positioner}/reset')
@@ -117,9 +119,10 @@ class Lockstep:
     async def _prepare(self) -> int:
         """Pause the positioner and return its ticks for each step."""
         response = await self._parameters.get_parameters(
-            ['publish_rate', 'step_ticks', 'start_paused'])
-        publish_rate, ticks, self._stays_paused = (
+            ['publish_rate', 'step_ticks', 'start_paused', LIMITS])
+        publish_rate, ticks, self._stays_paused, limits = (
             parameter_value_to_python(value) for value in response.values)
+        self._limits.take(self._positioner, limits)
         if publish_rate is None or ticks is None:
             raise ParameterError(
                 f'lockstep: {self._positioner} has no parameters publish_rate and step_ticks')

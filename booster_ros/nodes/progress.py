@@ -30,7 +30,8 @@ class Progress:
         if self._bar is not None:
             self._bar.update(min(played, self._duration) - self._bar.n)
         elif played >= self._next_line:
-            self._next_line = (played // self._period + 1.0) * self._period
+            # half a nanosecond: 22.0 // 4.4 is 4, and the fifth line would come twice
+            self._next_line = ((played + 5e-10) // self._period + 1.0) * self._period
             if math.isfinite(self._duration):
                 share = min(played / self._duration, 1.0)
                 self._logger.info(f'{played:.1f} of {self._duration:g} s played, {share:.0%}')

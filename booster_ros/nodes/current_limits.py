@@ -1,0 +1,59 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which currents a positioner takes, as far as it says so."""
+
+from functools import partial
+from typing import Any
+
+from rcl_interfaces.srv import GetParameters
+from rclpy.client import Client
+from rclpy.node import Node
+from rclpy.parameter import parameter_value_to_python
+from rclpy.task import Future
+
+LIMITS = 'current_limits'
+"""The parameter of a positioner that holds the lowest and the highest current it follows, A."""
+
+
+class CurrentLimits:
+    """
+    The limits of the positioners that were asked, by the names of their nodes.
+
+    None follows a command beyond its limits: what was sent then is not what drove it. A node
+    without the parameter takes whatever comes, for all that is known.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._clients: dict[str, Client] = {}
+        self._unasked: set[str] = set()
+        self._limits: dict[str, tuple[float, float]] = {}
+
+    def ask(self, name: str) -> None:
+        """Ask a node, once; to be called again and again, as its service may be found later."""
+        if name not in self._clients:
+            self._clients[name] = self._node.create_client(GetParameters, f'{name}/get_parameters')
+            self._unasked.add(name)
+        elif name in self._unasked and self._clients[name].service_is_ready():
+            self._unasked.remove(name)
+            answer = self._clients[name].call_async(GetParameters.Request(names=[LIMITS]))
+            answer.add_done_callback(partial(self._on_answer, name))
+
+    def take(self, name: str, value: Any) -> None:
+        """Take note of what a node has for limits, A; of anything else but two numbers, nothing."""
+        if value is not None and not isinstance(value, (str, bytes)) and len(value) == 2:
+            low, high = value
+            self._limits[name] = low, high
+
+    def complaint(self, current: float) -> str:
+        """Return that a current (A) is beyond what one of them takes, '' where it is not."""
+        for name, (low, high) in self._limits.items():
+            if not low <= current <= high:
+                return (f'{current:g} A is outside the {LIMITS} of {name}, {low:g} to {high:g} A: '
+                        'it does not follow that')
+        return ''
+
+    def _on_answer(self, name: str, answer: Future) -> None:
+        response = answer.result()
+        if response is not None and response.values:
+            self.take(name, parameter_value_to_python(response.values[0]))
