@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters: checked one by one and together, with a sentence that names what is wrong."""
 
+from array import array
 import math
 
 import pytest
@@ -104,10 +105,12 @@ def test_no_parameter_takes_what_is_out_of_its_range(name):
 @pytest.mark.parametrize(
     ('values', 'complaint'),
     [
-        ({'booster.s1': 5e-6}, r'booster.s1 \(5e-06\) must be greater than booster.s2'),
+        ({'booster.s1': 5e-6}, r'booster.s1 \(5e-06 m\^2\) must be greater than booster.s2'),
+        ({'actuator.bench_set': array('d', [15e4])},
+         r'actuator.bench_set must be a list of 2 numbers, got \[150000.0\]'),
         ({'booster.s3': 9.28e-6}, 'booster.s2 .* must be greater than booster.s3'),
         ({'supply.ripple': 400.1e3},
-         r'supply.ripple \(400100\) must not be greater than supply.pressure \(400000 Pa\)'),
+         r'supply.ripple \(400100 Pa\) must not be greater than supply.pressure \(400000 Pa\)'),
         ({'actuator.bench_set': [300e3, 150e3]}, 'actuator.bench_set must rise'),
         ({'actuator.bench_set': [150e3, 150e3]}, 'actuator.bench_set must rise'),
         ({'actuator.bench_set': [150e3]}, 'list of 2 numbers'),

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From dotted names and values to checked parameters, and back."""
 
+from array import array
 from collections.abc import Iterable, Mapping
 import dataclasses
 import difflib
@@ -105,7 +106,7 @@ def to_values(parameters: PositionerParameters) -> dict[str, Value]:
 def shown(value: Any) -> str:
     """Return a value as a sentence quotes it: of a long one the beginning."""
     try:
-        text = repr(value)
+        text = repr(list(value) if isinstance(value, array) else value)
     except ValueError:  # Python writes out no whole number of more than 4300 digits
         return 'a whole number of thousands of digits'
     return text if len(text) <= LONGEST_QUOTE else f'{text[:LONGEST_QUOTE]}...'
@@ -161,10 +162,12 @@ def check_consistent(p: PositionerParameters) -> None:
     b, s, a, d = p.booster, p.supply, p.actuator, p.discrepancy
     ratio = b.critical_pressure_ratio + b.critical_pressure_ratio_shift
     rules = (
-        _Rule(b.s1 > b.s2, f'booster.s1 ({b.s1:g}) must be greater than booster.s2 ({b.s2:g} m^2)'),
-        _Rule(b.s2 > b.s3, f'booster.s2 ({b.s2:g}) must be greater than booster.s3 ({b.s3:g} m^2)'),
+        _Rule(b.s1 > b.s2, f'booster.s1 ({b.s1:g} m^2) must be greater than booster.s2 '
+              f'({b.s2:g} m^2)'),
+        _Rule(b.s2 > b.s3, f'booster.s2 ({b.s2:g} m^2) must be greater than booster.s3 '
+              f'({b.s3:g} m^2)'),
         _Rule(s.ripple <= s.pressure,
-              f'supply.ripple ({s.ripple:g}) must not be greater than supply.pressure '
+              f'supply.ripple ({s.ripple:g} Pa) must not be greater than supply.pressure '
               f'({s.pressure:g} Pa)'),
         _Rule(a.bench_set[1] > a.bench_set[0],
               f'actuator.bench_set must rise, got [{a.bench_set[0]:g}, {a.bench_set[1]:g}] Pa'),

@@ -256,7 +256,8 @@ class Positioner(Node):
         self._run_ticks(count)
         response.success = self._loss is None
         response.message = str(self._loss) if self._loss else (
-            f'{count} ticks, simulated time {seconds(self._ticks.simulated)} s')
+            f'{count} tick{"s" if count > 1 else ""}, simulated time '
+            f'{seconds(self._ticks.simulated)} s')
         return response
 
     def _take_waiting_commands(self) -> None:
