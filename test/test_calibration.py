@@ -50,6 +50,16 @@ def test_colour_and_level_of_noise_are_found_at_rests_of_a_moving_signal(correla
     assert found.level == pytest.approx(2e-3, rel=0.15)
 
 
+def test_slow_noise_that_is_rounded_is_nearly_as_loud_as_it_is():
+    """Of slow noise some pieces hold far more than others: that is no valve which has moved."""
+    rests = [slice(100 * k, 100 * k + 100) for k in range(0, 140, 2)]
+    found = []
+    for seed in range(20):
+        shown = Noise(150.0, 0.95).added_to(np.zeros(15000), np.random.default_rng(seed))
+        found.append(noise_of(25.0 * np.round(shown / 25.0), rests).level)
+    assert np.mean(found) == pytest.approx(150.0, rel=0.1)
+
+
 def test_noise_of_a_quantised_white_record_is_found_again_in_what_is_simulated_with_it():
     rng = np.random.default_rng(4)
     step = 1e-3

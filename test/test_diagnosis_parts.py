@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis import diagnose, selection
-from booster_ros.diagnosis.candidate import NEAR_NOISE, preferred_first
+from booster_ros.diagnosis.candidate import NEAR_NOISE, gain, preferred_first, told_apart
 from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
 from booster_ros.diagnosis.fit import START, Problem
 from booster_ros.diagnosis.freedom import declared_freedom, put
@@ -403,6 +403,17 @@ def test_what_remains_of_two_effects_has_to_be_called_for(left, remains):
     after = _without(tried, 'dead_time', 'its size is not told from none')
     assert after.chosen.effects == remains
     assert not after.chosen.learnt
+
+
+def test_a_model_that_is_lost_on_the_way_is_told_from_one_that_is_not_and_not_from_another():
+    found = replace(searching(seen(P), ()).refit(), by_segment=np.full(6, 100.0), prior=0.0)
+    lost = replace(found, by_segment=np.array([100.0, 100.0, np.inf, 100.0, 100.0, 100.0]))
+    assert gain(lost, found) == (np.inf, 0.0)
+    assert gain(found, lost) == (-np.inf, 0.0)
+    assert gain(lost, lost) == (0.0, 0.0)
+    assert told_apart(lost, found)
+    assert not told_apart(found, lost)
+    assert not told_apart(lost, lost)
 
 
 def test_a_declared_term_that_gave_way_to_another_is_named():

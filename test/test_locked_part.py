@@ -11,7 +11,7 @@ import pytest
 from booster_ros.diagnosis import diagnose, last_fit, locked_part
 from booster_ros.diagnosis.freedom import put
 from booster_ros.diagnosis.locked_part import EXPLAINS_LITTLE, leave_much, stands
-from booster_ros.diagnosis.result import ChannelError
+from booster_ros.diagnosis.result import ChannelError, errors_of
 from booster_ros.diagnosis.segments import USED, rows_of, split
 from booster_ros.diagnosis.selection import Tried
 from booster_ros.diagnosis.unknown import UNNAMED, Term, with_term
@@ -73,6 +73,16 @@ def test_how_much_may_be_left(before, after, stays, much):
     assert leave_much(errors(before, after)) == much
 
 
+def test_a_run_that_was_lost_on_the_way_is_no_small_error():
+    experiment = waving()
+    run = {name: np.where(np.arange(len(values)) < 100, values, np.nan)
+           for name, values in experiment.measured.items()}
+    rows = np.ones(len(experiment.time), dtype=bool)
+    runs = {'declared': run, 'before': experiment.measured, 'after': run}
+    lost = errors_of(experiment, runs, rows)
+    assert not any(np.isfinite(error.after) for error in lost.values())
+
+
 @pytest.mark.parametrize('stays', [True, False])
 def test_a_term_that_the_locked_part_speaks_against_is_not_in_the_model(stays):
     """It was there as long as was looked, and the other way round when that part came."""
@@ -81,6 +91,7 @@ def test_a_term_that_the_locked_part_speaks_against_is_not_in_the_model(stays):
     assert found.verdict == 'unknown'
     assert [effect.location for effect in found.effects] == ['stem']
     assert found.added == stays == (found.refused is None)
+    assert found.decided != stays
     if stays:
         assert found.after.discrepancy.location == STEM
         return
@@ -134,5 +145,6 @@ def test_names_that_explain_little_give_way_to_a_term(monkeypatch, case):
     monkeypatch.setattr(last_fit, 'preferable', lambda unnamed, tried: not tried.chosen.effects)
     found = concluded(search, bent)
     assert found.verdict == ('unknown' if case == 'little' else 'effect')
+    assert found.decided == (case == 'little')
     if case == 'little':
         assert found.after.discrepancy.location == STEM

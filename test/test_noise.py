@@ -28,6 +28,20 @@ def test_rounding_is_part_of_the_noise_however_coarse_it_is(step):
     assert noise_level(rounded) == pytest.approx(truth, rel=0.06)
 
 
+@pytest.mark.parametrize('step', [0.0, 2e-6])
+@pytest.mark.parametrize('end', [0.0, 1e-2])
+def test_what_a_sensor_cuts_off_at_its_end_is_noise_all_the_same(step, end):
+    """A position that reads nothing below closed shows half of its noise there, or less."""
+    time = 0.01 * np.arange(ROWS)
+    slow = np.clip(5e-3 + 8e-3 * np.sin(0.3 * time), 0.0, 1e-2)
+    noisy = slow + 8e-6 * np.random.default_rng(4).standard_normal(ROWS)
+    cut = np.maximum(noisy, 0.0) if end == 0.0 else np.minimum(noisy, 1e-2)
+    rounded, whole = (step * np.round(some / step) if step else some for some in (cut, noisy))
+    assert np.mean(rounded == end) > 0.1
+    truth = np.sqrt(np.mean((whole - slow)[slow != end]**2))
+    assert noise_level(rounded) == pytest.approx(truth, rel=0.06)
+
+
 def test_what_is_not_rounded_is_white_noise():
     _, noisy = moving()
     assert noise_level(noisy) == white_noise(noisy) == pytest.approx(NOISE, rel=0.03)
@@ -63,7 +77,7 @@ def test_noise_that_is_cut_off_at_an_end_of_the_sensor_is_not_the_noise():
     _, noisy = moving()
     cut = np.arange(ROWS) % 4000 < 1600
     noisy[cut] = 1e5 + np.maximum(noisy[cut] - moving()[0][cut], 0.0)
-    assert noise_level(noisy) == pytest.approx(of_all_differences(noisy), rel=1e-3)
+    assert noise_level(noisy) == pytest.approx(NOISE, rel=0.03)
 
 
 def test_a_valve_that_hunts_while_its_drive_rests_says_nothing_of_the_colour_of_noise():

@@ -25,7 +25,7 @@ from made_diagnosis import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.result import ChannelError, Interval, Refitted, UnknownTerm
+from booster_ros.diagnosis.result import ChannelError, Interval, Refitted, Suspect, UnknownTerm
 from booster_ros.model import discrepancy
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
@@ -410,6 +410,55 @@ def test_none_short_of_the_noise_does_not_claim_that_the_model_is_enough():
     text = ' '.join([verdict_title(diagnosis), *verdict_sentences(diagnosis)])
     assert 'enough' not in text
     assert 'more than noise' in text
+
+
+def test_what_only_the_locked_part_shows_is_not_said_to_have_been_sought():
+    """Data that were fitted to the noise call for nothing, so nothing was tried on the others."""
+    diagnosis = nothing_found()
+    diagnosis = replace(diagnosis, held_out={
+        name: replace(error, before=3.0 * error.noise, after=3.0 * error.noise)
+        for name, error in diagnosis.held_out.items()})
+    text = ' '.join(verdict_sentences(diagnosis))
+    assert 'shows in the unseen ones alone' in text
+    assert 'no smooth term' not in text
+
+
+def test_loud_noise_under_which_nothing_was_found_is_said_to_hide_what_is_smaller():
+    assert 'may be there all the same' not in ' '.join(verdict_sentences(nothing_found()))
+    quiet = nothing_found()
+    position = quiet.experiment.measured['valve_position']
+    loud = 0.2 * float(np.nanmax(position) - np.nanmin(position))
+    noisy = {**quiet.held_out, 'valve_position': ChannelError('m', loud, loud, loud, loud)}
+    text = ' '.join(verdict_sentences(replace(quiet, held_out=noisy)))
+    assert 'The noise of the valve position is 20 % of its range' in text
+    assert 'noise of the chamber pressure' not in text
+
+
+@pytest.mark.parametrize('decided', [True, False])
+def test_a_locked_part_that_had_a_say_is_not_said_to_be_unseen(decided):
+    diagnosis = replace(friction_found(), decided=decided)
+    page = Page(html_page(diagnosis, FROM))
+    assert ('had a say in the verdict' in page.text) is decided
+    assert ('no step has seen these data' in page.text) is not decided
+    assert ('no step of this analysis had seen' in page.text) is not decided
+
+
+def test_residuals_are_drawn_over_the_run_that_is_reported():
+    """It begins where the fit found the valve, which is not where its first row reads."""
+    made = friction_found()
+    start = replace(made.experiment.initial, chamber_pressure=3e5)
+    view = View(replace(made, start=start))
+    expected = made.experiment.simulate(made.after, start)
+    np.testing.assert_array_equal(view.states['chamber_pressure'], expected['chamber_pressure'])
+    assert abs(View(made).states['chamber_pressure'][0] - 3e5) > 1e4
+
+
+def test_what_is_reported_is_among_the_suspects_wherever_it_ranks():
+    diagnosis = friction_found()
+    better = tuple(Suspect(('stem_friction', f'other_{k}'), 1.0, 'not enough') for k in range(20))
+    page = html_page(replace(diagnosis, suspects=(*better, *diagnosis.suspects)), FROM)
+    assert 'class="chosen"' in page
+    assert 'declared model, refitted</td>' in page
 
 
 def test_json_holds_what_others_rely_on(made):

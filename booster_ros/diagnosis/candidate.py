@@ -72,7 +72,13 @@ class Candidate:
 
 
 def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
-    """Return by how much the score falls, and the standard error of that, paired by segment."""
+    """
+    Return by how much the score falls, and the standard error of that, paired by segment.
+
+    A model that did not come to the end scores infinitely much, and for certain.
+    """
+    if not (np.isfinite(worse.score) and np.isfinite(better.score)):
+        return (0.0 if worse.score == better.score else worse.score - better.score), 0.0
     difference = worse.by_segment - better.by_segment
     error = float(np.std(difference, ddof=1) * np.sqrt(len(difference))) if len(
         difference) > 1 else 0.0

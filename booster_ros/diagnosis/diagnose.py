@@ -124,7 +124,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
          *filter(None, map(either, effects)),
          *_replaced(search.declared, after.parameters),
          *chance(experiment, after.parameters, after.initial, 'this record')),
-        refused=found.refused)
+        refused=found.refused, start=after.initial, decided=found.decided)
 
 
 def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,

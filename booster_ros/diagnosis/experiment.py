@@ -199,7 +199,10 @@ def _jumps(drive: Array) -> Array:
 
 
 def rmse(measured: Array, predicted: Array, rows: Array) -> float:
-    """Return the root mean square difference over the marked rows, NaN rows left out."""
-    difference = (measured - predicted)[rows]
-    difference = difference[np.isfinite(difference)]
-    return float(np.sqrt(np.mean(difference**2))) if len(difference) else float('nan')
+    """
+    Return the root mean square difference over the marked rows, NaN where none has a value.
+
+    Rows without a measured value are left out; a prediction that was lost on the way is NaN.
+    """
+    rows = rows & np.isfinite(measured)
+    return float(np.sqrt(np.mean((measured - predicted)[rows]**2))) if rows.any() else float('nan')

@@ -41,7 +41,8 @@ class Opened:
     A verdict (none, effect, unknown) with its fit, and what the locked part says of it.
 
     `tried` are the models tried, the chosen one as far as it stands; `runs` are predictions by
-    stage, `errors` those of the locked part by channel.
+    stage, `errors` those of the locked part by channel. `decided` tells whether that part made the
+    verdict another one than the parts before it had.
     """
 
     verdict: str
@@ -50,6 +51,7 @@ class Opened:
     runs: dict[str, dict[str, Array]]
     errors: dict[str, ChannelError]
     refused: Refused | None = None
+    decided: bool = False
 
 
 def less_the_locked_part(experiment: Experiment, segments: list[Segment]) -> Experiment:
@@ -75,14 +77,14 @@ def opened(search: Search, tried: Tried, unnamed: list[Candidate], refit: LastFi
     found = judged(tried, unnamed)
     if unnamed and _explain_little(found):
         term = judged(_none_of(found.tried), unnamed)
-        found = found if term.verdict == 'none' else term
+        found = found if term.verdict == 'none' else replace(term, decided=True)
     if found.verdict != 'unknown' or stands(found.errors):
         return found
     refused = _refused(experiment, found, locked)
     found = judged(found.tried, [])
     if found.verdict == 'effect' and leave_much(found.errors):
         found = judged(_none_of(found.tried), [])
-    return replace(found, refused=refused,
+    return replace(found, refused=refused, decided=True,
                    verdict='unknown' if found.verdict == 'none' else found.verdict)
 
 

@@ -44,6 +44,7 @@ def white_noise(signal: Array) -> float:
     Where most rows are empty, as of a channel slower than the others, of the rows it has. NaN where
     there are too few.
     """
+    signal = off_its_ends(signal)
     third = _third_differences(signal)
     if len(third) < FEWEST_DIFFERENCES:
         return float('nan')
@@ -56,6 +57,23 @@ def white_noise(signal: Array) -> float:
     level = float(mad / np.sqrt(_THIRD_DIFFERENCE_GAIN))
     quiet = _noise_of_quiet_pieces(signal)
     return quiet if quiet < LOUD * level else level
+
+
+def off_its_ends(signal: Array) -> Array:
+    """
+    Return the signal without values (NaN) in pieces in which its sensor is at an end, shape (n,).
+
+    What it cuts off there is noise: such a piece reads its lowest or highest value again and again.
+    The signal as it is where too few pieces are left.
+    """
+    if not np.isfinite(signal).any():
+        return signal
+    at_end = (signal == np.nanmin(signal)) | (signal == np.nanmax(signal))
+    whole = len(signal) // PIECE * PIECE
+    ends = np.mean(at_end[:whole].reshape(-1, PIECE), axis=1) >= REPEATS
+    rows = np.append(np.repeat(ends, PIECE), np.full(len(signal) - whole, ends[-1:].any()))
+    inside = np.where(rows, np.nan, signal)
+    return inside if np.isfinite(inside).sum() >= FEWEST_PIECES * PIECE else signal
 
 
 def _noise_of_quiet_pieces(signal: Array) -> float:
@@ -106,7 +124,7 @@ def noise_level(signal: Array) -> float:
     """
     step, level = resolution(signal), white_noise(signal)
     if step > FINE * level or not np.isfinite(level):
-        return _rounded_noise(signal, step)
+        return _rounded_noise(off_its_ends(signal), step)
     return level
 
 

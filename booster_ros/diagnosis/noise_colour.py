@@ -23,7 +23,8 @@ from scipy.optimize import brentq
 from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
-from booster_ros.diagnosis.noise import noise_level, resolution, white_noise
+from booster_ros.diagnosis.noise import (
+    noise_level, off_its_ends, resolution, white_noise)
 
 Array = np.ndarray
 
@@ -46,6 +47,9 @@ piece (of coloured noise these vary as much), and at least this share of its ran
 
 DISTURBED = 2.0
 """Variance of a piece, relative to the median piece, above which the valve has moved in it."""
+
+USUAL, ROUNDS = 0.995, 4
+"""But not more than this quantile of what noise of the colour found does; found so many times."""
 
 CHANCE = 3.0
 SMALL = 0.1
@@ -93,20 +97,15 @@ class Noise:
 def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
     """Return level, colour and resolution of the noise on a signal; NaN rows do not count."""
     white = Noise(float(noise_level(signal)), 0.0, resolution(signal))
-    pieces = [signal[rest] for rest in rests if np.isfinite(signal[rest]).all()]
+    inside = off_its_ends(signal)
+    pieces = [inside[rest] for rest in rests if np.isfinite(inside[rest]).all()]
     if len(pieces) < FEWEST_PIECES:
         return white
     rows = len(pieces[0])
     curves = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, rows), 4))[0]
     left = np.array(pieces)
     left = left - (left @ curves) @ curves.T
-    variance = np.mean(left**2, axis=1)
-    left = left[variance <= DISTURBED * np.median(variance)]
-    seen = float(np.mean(left**2))
-    if seen == 0.0:
-        return white
-    shares = np.array([np.sum(left[:, lag:] * left[:, :rows - lag]) for lag in range(LAGS)])
-    shares /= shares[0]
+    every, variance = left, np.mean(left**2, axis=1)
     removed = np.eye(rows) - curves @ curves.T
 
     def expected(coefficient: float) -> Array:
@@ -114,15 +113,28 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
         covariance = removed @ toeplitz(coefficient ** np.arange(rows)) @ removed
         return np.array([np.trace(covariance, lag) for lag in range(LAGS)]) / rows
 
-    def too_much(coefficient: float) -> float:
-        variance, carried = expected(coefficient)[:2]
-        return float(carried / variance - shares[1])
+    most, coefficient, rounded = DISTURBED, 0.0, white.resolution**2 / 12.0
+    for _ in range(ROUNDS):
+        left = every[variance <= most * np.median(variance)]
+        seen = float(np.mean(left**2)) - rounded * (1.0 - curves.shape[1] / rows)
+        if seen <= 0.0:
+            return white
+        shares = np.array([np.sum(left[:, lag:] * left[:, :rows - lag]) for lag in range(LAGS)])
+        shares /= seen * left.size  # rounding is white: it counts in no lag but none
+        shares[0] = 1.0
 
-    low, high = _RANGE
-    if too_much(low) >= 0.0 or too_much(high) <= 0.0:
-        coefficient = low if too_much(low) >= 0.0 else high
-    else:
-        coefficient = float(brentq(too_much, low, high, xtol=1e-4))
+        def too_much(coefficient: float, carried: float = float(shares[1])) -> float:
+            variance, next_to_it = expected(coefficient)[:2]
+            return float(next_to_it / variance - carried)
+
+        low, high = _RANGE
+        if too_much(low) >= 0.0 or too_much(high) <= 0.0:
+            coefficient = low if too_much(low) >= 0.0 else high
+        else:
+            coefficient = float(brentq(too_much, low, high, xtol=1e-4))
+        # of slow noise the pieces differ by much more than of white noise
+        by_chance = _variances(coefficient, removed)
+        most = max(DISTURBED, float(np.quantile(by_chance, USUAL) / np.median(by_chance)))
     like_it = expected(coefficient)
     fades = np.max(np.abs(like_it / like_it[0] - shares)) < FADING
     new = left[:, 1:] - coefficient * left[:, :-1]
@@ -130,17 +142,22 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
     small = abs(coefficient) < max(SMALL, CHANCE / np.sqrt(left.size))
     if small or slips or not fades or _hunts(variance, coefficient, removed):
         return white
-    return Noise(float(np.sqrt(seen / like_it[0])), coefficient, white.resolution)
+    return Noise(float(np.sqrt(seen / like_it[0] + rounded)), coefficient, white.resolution)
 
 
 def _hunts(variance: Array, coefficient: float, removed: Array) -> bool:
     """Tell whether the variances of pieces differ more than those of such noise, less the cubic."""
+    by_chance = _variances(coefficient, removed)
+    quiet, usual = (np.quantile(each, QUIETEST) / np.median(each) for each in (variance, by_chance))
+    return bool(quiet < UNEQUAL * usual)
+
+
+def _variances(coefficient: float, removed: Array) -> Array:
+    """Return the variances of drawn pieces of such noise, less the cubic."""
     rows = len(removed)
     drawn = lfilter([1.0], [1.0, -coefficient],
                     np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
-    by_chance = np.mean((drawn @ removed)**2, axis=1)
-    quiet, usual = (np.quantile(each, QUIETEST) / np.median(each) for each in (variance, by_chance))
-    return bool(quiet < UNEQUAL * usual)
+    return np.asarray(np.mean((drawn @ removed)**2, axis=1))
 
 
 def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment, rmse
+from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
 from booster_ros.diagnosis.freedom import BENCH, get
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.gas import ATMOSPHERE
@@ -55,6 +55,10 @@ share of its size or less: in mbar it is a hundredth, and no effect leaves so li
 one that drives and is as little of the declared supply, if the model follows it as mbar only. A
 position is reversed that follows the model as well, and the other way.
 """
+
+STUCK = 0.05
+"""Share of the travel, or of the supply, by which the declared model moves where a reading that
+never changes is that of a sensor or a valve that sticks fast."""
 
 SMALLEST = 1e-12
 
@@ -212,16 +216,61 @@ def _check_drive_of_stem(
 def check_direction(
     experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
-    """Raise RecordError where a position lies below closed and moves against the declared model."""
+    """Raise RecordError where a position moves against the declared model."""
     position = experiment.measured.get('valve_position')
-    if position is None or not np.nansum(position) < 0.0:
+    if position is None or not np.isfinite(position).any():
         return
-    seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
-    driven = _stem_alone(experiment) if seen else experiment
-    if _alike(position, driven.predict(declared)['valve_position']) < -FOLLOWS:
+    if _alike(position, _driven(experiment).predict(declared)['valve_position']) >= -FOLLOWS:
+        return
+    if np.nansum(position) < 0.0:
         raise RecordError(
             f'{source}, column valve_position: lies mostly below closed and falls where the '
             'declared model opens: reverse its sign, positions count from closed')
+    raise RecordError(
+        f'{source}, column valve_position: falls where the declared model opens: positions count '
+        'from where the vented stem rests, which is open for a valve that air closes (subtract '
+        'them from the travel)')
+
+
+def _driven(experiment: Experiment) -> Experiment:
+    """Return the experiment with the stem driven by the measured pressure where there is one."""
+    seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
+    return _stem_alone(experiment) if seen else experiment
+
+
+def without_stuck(
+    experiment: Experiment, declared: PositionerParameters, source: str
+) -> Experiment:
+    """
+    Return the experiment without channels of one value where the declared model moves by much.
+
+    Such a reading has no noise, so it would outweigh all others. RecordError where none is left.
+    """
+    ranges = {'valve_position': declared.actuator.travel, 'mass_flow': np.inf}
+    stuck = {}
+    for name, values in experiment.measured.items():
+        known = values[np.isfinite(values)]
+        if not len(known) or np.ptp(known) > 0.0:
+            continue
+        driven = _driven(experiment) if name == 'valve_position' and _moves(
+            experiment.measured.get('chamber_pressure')) else experiment
+        moves = float(np.ptp(driven.predict(declared)[name][np.isfinite(values)]))
+        if moves > STUCK * ranges.get(name, declared.supply.pressure):
+            stuck[name] = (
+                f'{name} is not compared: it reads {known[0]:.6g} {UNITS[name]} in every row where '
+                f'the declared model moves by {moves:.3g} {UNITS[name]}, which is a sensor, or a '
+                'valve, that sticks fast')
+    if not stuck:
+        return experiment
+    left = {name: values for name, values in experiment.measured.items() if name not in stuck}
+    if not any(np.isfinite(values).any() for values in left.values()):
+        raise RecordError(f'{source}: {"; ".join(stuck.values())}; no other channel is left')
+    return replace(experiment, measured=left, noise={name: experiment.noise[name] for name in left},
+                   notes=(*experiment.notes, *stuck.values()))
+
+
+def _moves(values: Array | None) -> bool:
+    return values is not None and bool(np.nanmax(values) > np.nanmin(values))
 
 
 def check_clock(experiment: Experiment, declared: PositionerParameters, source: str) -> None:

@@ -9,27 +9,21 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from booster_ros.diagnosis.experiment import DriveNoise, Experiment
+from booster_ros.diagnosis.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.late_commands import commands_may_be_late, with_noise_of_timing
 from booster_ros.diagnosis.noise import white_noise
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.plausibility import (
-    check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales)
+    check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales,
+    without_stuck)
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import bridged, last_known
-from booster_ros.records.time_axis import gap_rows, longest_usual
+from booster_ros.records.time_axis import longest_usual
 
 Array = np.ndarray
-
-SETTLING = 10.0
-"""Rows within this time after a gap in the drive do not count, s: the chamber must catch up."""
-
-SHORT_GAP = 0.5
-MISSED = 5e-4
-"""But none do after a gap this short, s, in which holding the drive misses no more than this, as a
-share of its range times seconds: the chamber hardly notices."""
 
 DWELL_PINNED = 0.25
 DWELL_COMMANDED = 30.0
@@ -76,6 +70,7 @@ def prepare(
     elif time[0] != 0.0:  # what warms up or swings does so from where the record begins
         trimmed = (*trimmed, f'time counted from the first row used, at {time[0]:.9g} s')
         time = time - time[0]
+    gaps = [] if quasi_static else gaps_that_hide(time, columns, role.drives)
     usable = _usable_rows(time, columns, role, quasi_static)
     compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
     _check_enough(compared, record.source)
@@ -93,15 +88,24 @@ def prepare(
         drive_noise={} if quasi_static else {
             name: _drive_noise(name, values, rests) for name, values in sampled.items()},
         quasi_static=quasi_static,
-        notes=(*idle, *sparse, *role.notes, *trimmed, *_row_notes(usable, time, role, quasi_static),
-               *_still_notes(compared)),
+        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)),
     )
+    if not quasi_static:
+        usable &= caught_up(experiment, declared, gaps)
+        experiment = replace(
+            experiment, measured={name: np.where(usable, values, np.nan)
+                                  for name, values in compared.items()},
+            notes=(*experiment.notes, *_gap_notes(usable, role)))
+        _check_enough(experiment.measured, record.source, *_gap_notes(usable, role))
     check_drive(experiment, declared, record.source)
     check_bench(experiment, declared, record.source)
     if not quasi_static:
         check_clock(experiment, declared, record.source)
     check_pressures(experiment, declared, record.source)
     check_direction(experiment, declared, record.source)
+    experiment = without_stuck(experiment, declared, record.source)
+    experiment = replace(experiment, notes=(
+        *experiment.notes, *_still_notes(experiment.measured)))
     if quasi_static:
         return experiment
     if commands_may_be_late(experiment):
@@ -165,7 +169,7 @@ def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
 def _usable_rows(
     time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
 ) -> Array:
-    """Return which rows have a drive that was known long enough for what hangs on it."""
+    """Return which rows have a drive that is known, or was dwelt on."""
     usable = np.ones(len(time), dtype=bool)
     if not role.drives:
         return usable
@@ -175,20 +179,7 @@ def _usable_rows(
         # a row of currents starts settled at its own; only from the next on it was dwelt on
         usable[0] &= not role.commanded
         return usable
-    resumed = np.flatnonzero(np.diff(usable.astype(np.int8)) == 1) + 1
-    ends = np.union1d(gap_rows(time), resumed)
-    missed = np.any([_misses(time, columns[name], ends) for name in role.drives], axis=0)
-    for row in ends[missed]:
-        usable &= (time < time[row]) | (time >= time[row] + SETTLING)
     return usable
-
-
-def _misses(time: Array, drive: Array, rows: Array) -> Array:
-    """Tell of each of these rows whether a gap before it hides what moves the chamber."""
-    known, before = np.isfinite(drive), last_known(drive)[rows - 1]
-    gap, changed = time[rows] - time[before], np.abs(drive[rows] - drive[before])
-    hides = (gap > SHORT_GAP) | (gap * changed > MISSED * np.ptp(drive[known]))
-    return np.asarray(hides | ~known[rows] | (before < 0))
 
 
 def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
@@ -231,26 +222,25 @@ def _between_samples(time: Array, values: Array) -> Array:
     return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
 
 
-def _check_enough(compared: Mapping[str, Array], source: str) -> None:
+def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> None:
     rows = max(int(np.isfinite(values).sum()) for values in compared.values())
     if rows < FEWEST_ROWS:
         raise RecordError(
-            f'{source}: only {rows} rows can be compared with the model, at least {FEWEST_ROWS} '
-            'are needed')
+            '; '.join((f'{source}: only {rows} rows can be compared with the model, at least '
+                       f'{FEWEST_ROWS} are needed', *notes)))
 
 
-def _row_notes(
-    usable: Array, time: Array, role: Roles, quasi_static: bool
-) -> tuple[str, ...]:
-    notes = []
-    if quasi_static:
-        notes.append(
-            f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row')
-    elif not usable.all():
-        notes.append(
-            f'{int((~usable).sum())} rows in, and up to {SETTLING:g} s after, gaps of '
-            f'{" or ".join(role.drives)} are not compared')
-    return tuple(notes)
+def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:
+    if not quasi_static:
+        return ()
+    return (f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row',)
+
+
+def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:
+    if usable.all():
+        return ()
+    return (f'{int((~usable).sum())} rows in gaps of {" or ".join(role.drives)}, and after them '
+            'until the chamber has caught up, are not compared',)
 
 
 def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:

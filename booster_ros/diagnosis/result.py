@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import UNITS, Experiment, rmse
+from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.segments import Segment
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
@@ -214,7 +214,9 @@ class Diagnosis:
     """
     The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
 
-    `refused` is a term without a name that did not stand, and is not in the model.
+    `refused` is a term without a name that did not stand, and is not in the model; `start` the
+    state that `after` begins in, None for that of the experiment. The locked part has `decided`
+    where the verdict would be another one without it.
     """
 
     verdict: str
@@ -234,6 +236,8 @@ class Diagnosis:
     validation: dict[str, ChannelError] = field(default_factory=dict)
     false_add: FalseAdd | None = None
     refused: Refused | None = None
+    start: Initial | None = None
+    decided: bool = False
 
     @property
     def added(self) -> bool:

@@ -36,7 +36,7 @@ def validated(
         *diagnosis.notes, *(f'the other record: {note}' for note in notes),
         *_of_other_channels(diagnosis.experiment, experiment),
         *_beyond(diagnosis, experiment, starts[-1]), *_in_another_phase(diagnosis),
-        *_opened_further(diagnosis, experiment),
+        *_opened_further(diagnosis, experiment, starts[-1]),
         *chance(experiment, diagnosis.after, starts[-1], 'the other record')))
 
 
@@ -69,12 +69,14 @@ def _in_another_phase(diagnosis: Diagnosis) -> tuple[str, ...]:
             'as if it began like the first, the supply in the same phase, the converter as cold',)
 
 
-def _opened_further(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, ...]:
+def _opened_further(
+    diagnosis: Diagnosis, experiment: Experiment, start: Initial
+) -> tuple[str, ...]:
     """Return a sentence for each seat that is open fully in this record and never in the first."""
     if not {'control_current', 'back_pressure'} & set(experiment.drives):
         return ()  # nothing says how far the booster is open
-    fitted = _fully_open(diagnosis.experiment, diagnosis.after)
-    judged = _fully_open(experiment, diagnosis.after)
+    fitted = _fully_open(diagnosis.experiment, diagnosis.after, diagnosis.start)
+    judged = _fully_open(experiment, diagnosis.after, start)
     return tuple(
         f'{100.0 * judged[seat]:.0f} % of the other record has the {seat} open as far as it goes, '
         'which the first record never had: its largest area follows from the declared one, and '
@@ -82,9 +84,11 @@ def _opened_further(diagnosis: Diagnosis, experiment: Experiment) -> tuple[str, 
         for seat in judged if judged[seat] >= WORTH_SAYING and fitted[seat] == 0.0)
 
 
-def _fully_open(experiment: Experiment, parameters: PositionerParameters) -> dict[str, float]:
+def _fully_open(
+    experiment: Experiment, parameters: PositionerParameters, start: Initial | None
+) -> dict[str, float]:
     """Return the share of rows in which each seat of the booster is open as far as it goes."""
-    run = experiment.simulate(parameters)
+    run = experiment.simulate(parameters, start)
     largest = {'intake': parameters.booster.max_area,
                'exhaust': largest_exhaust_area(parameters.booster)}
     return {seat: float(np.mean(run[f'{seat}_area'] >= FULLY * area)) if area else 0.0

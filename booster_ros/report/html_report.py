@@ -20,7 +20,7 @@ from booster_ros.report.figure_style import ROLE_SHADES, styled, svg
 from booster_ros.report.markup import bullets, figure, paragraph, section
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.tables import (
-    MOST_SUSPECTS, declared_table, effect_table, error_table, suspect_table)
+    declared_table, effect_table, error_table, shown_suspects, suspect_table)
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.wording import (
     SCALING, capital, channel_label, effect_label, listing, place_label, scored,
@@ -28,7 +28,7 @@ from booster_ros.report.wording import (
 
 _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',
-    'test': 'locked: opened once, for the held-out error'}
+    'test': 'locked: opened once, at the end'}
 
 _STAGE_MEANINGS = {
     'declared': 'As declared: the model with the parameters that were given.',
@@ -69,13 +69,15 @@ def _stages(diagnosis: Diagnosis) -> dict[str, str]:
 
 def _errors(view: View) -> str:
     diagnosis = view.diagnosis
+    held_out = 'held out: nothing was fitted to them, but they had a say in the verdict' \
+        if diagnosis.decided else 'held out: no step has seen these data'
     parts = {
-        'held out: no step has seen these data': scored(diagnosis.held_out),
+        held_out: scored(diagnosis.held_out),
         'validation record': scored(diagnosis.validation),
         'data used for the analysis': scored(diagnosis.error),
     }
     parts = {words: errors for words, errors in parts.items() if errors}
-    short = {'held out: no step has seen these data': 'held out', 'validation record': 'validation',
+    short = {held_out: 'held out', 'validation record': 'validation',
              'data used for the analysis': 'used data'}
     rows = [(f'{channel_label(name)}\n{short[words]}', error)
             for words, errors in parts.items() for name, error in errors.items()]
@@ -214,7 +216,8 @@ def _evidence(effect: FoundEffect) -> str:
     error = facts.get('score_fall_standard_error', 0.0)
     if error > 0.0:
         text += (f' The fall is {number(facts["score_fall"] / error, 2)} times its standard error '
-                 'between the segments of the record; from 1 on it counts.')
+                 'between the segments of the record; from 1 on it counts, from 2 on where what '
+                 'was missing could nearly be noise.')
     return paragraph(text)
 
 
@@ -230,21 +233,22 @@ def _undecided(diagnosis: Diagnosis) -> str:
             items.append(f'{capital(effect_label(effect.name))} or {rivals}? This record '
                          f'cannot decide. It would take: {effect.separating_experiment}.')
         else:
-            items.append(f'{capital(effect_label(effect.name))}: no other effect explains the '
-                         'record as well. An experiment that would confirm it: '
+            items.append(f'{capital(effect_label(effect.name))}: no other effect explains as '
+                         'much of the record. An experiment that would confirm it: '
                          f'{effect.separating_experiment}.')
     return section('What it may be instead, and how to find out', bullets(items)) if items else ''
 
 
 def _suspects(diagnosis: Diagnosis) -> str:
-    hidden = len(diagnosis.suspects) - MOST_SUSPECTS
+    hidden = len(diagnosis.suspects) - len(shown_suspects(diagnosis))
     return section(
         'Suspects, best first',
         paragraph('Misfit: mean squared error, in units of the noise, on the parts held back for '
                   'choosing; what came near the choice was fitted to them too in the end. 1 is '
                   'as good as can be. Bars are logarithmic.', 'hint'),
         suspect_table(diagnosis),
-        paragraph(f'{hidden} more are in report.json.', 'hint') if hidden > 0 else '')
+        paragraph(f'{hidden} more {"is" if hidden == 1 else "are"} in report.json.', 'hint')
+        if hidden > 0 else '')
 
 
 def _declared(view: View) -> str:

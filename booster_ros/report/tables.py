@@ -72,9 +72,16 @@ def _both_units(scale: Scale, value: float, unit: str, digits: int) -> str:
     return number_cell(text, '' if text == physics else physics)
 
 
+def shown_suspects(diagnosis: Diagnosis) -> tuple[Suspect, ...]:
+    """Return the best of the models that were tried, and what is reported wherever it ranks."""
+    reported = {tuple(effect.name for effect in diagnosis.effects), ()}
+    return tuple(one for place, one in enumerate(diagnosis.suspects) if place < MOST_SUSPECTS
+                 or one.effects in reported or one.reason.startswith('chosen'))
+
+
 def suspect_table(diagnosis: Diagnosis) -> str:
     """Return the models that were tried, best first, with the reason each was dropped."""
-    suspects = diagnosis.suspects[:MOST_SUSPECTS]
+    suspects = shown_suspects(diagnosis)
     largest = max((s.misfit for s in suspects if math.isfinite(s.misfit)), default=1.0)
     chosen = tuple(effect.name for effect in diagnosis.effects)
     rows = [_suspect_row(s, largest, s.effects == chosen or s.reason.startswith('chosen'))

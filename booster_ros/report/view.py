@@ -98,10 +98,12 @@ class View:
     def states(self) -> dict[str, Array]:
         """What the better model says of everything a residual may depend on, SI."""
         experiment, unknown = self.diagnosis.experiment, self.diagnosis.unknown
-        run = experiment.simulate(self.diagnosis.after)
+        start = self.diagnosis.start or experiment.initial
+        run = experiment.simulate(self.diagnosis.after, start)
         states = {name: run[name] for name in ('time', *VARIABLES)}
         if unknown is not None:
-            states[unknown.variable] = followed(self.diagnosis.after, experiment.time, run.columns)
+            states[unknown.variable] = followed(
+                self.diagnosis.after, experiment.time, run.columns, start.departure.past)
         return states
 
     def state(self, name: str) -> Array:

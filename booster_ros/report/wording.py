@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 import math
 import re
 
+import numpy as np
+
 from booster_ros.diagnosis.result import (
     AS_GOOD_AS_MEASURED, WORTH_SAYING, ChannelError, Diagnosis, FalseAdd, Refused, UnknownTerm)
 from booster_ros.model.catalogue import EFFECTS
@@ -13,9 +15,13 @@ from booster_ros.report.engineering import Scale, number, scale_of, side_by_side
 
 SCALING = (
     'Scaling effective area, dead volume, opening gain and largest area of the booster (A, V0, k, '
-    'S_max) by one factor leaves every pressure and position unchanged: only their ratios are '
-    'identified, not each of them.'
+    'S_max) by one factor, and with them all other areas of flow, volumes, forces of the stem and '
+    'its stops, and the moving mass, leaves every pressure and position unchanged: where no flow '
+    'was compared only their ratios are identified, not each of them.'
 )
+
+LOUD = 0.05
+"""Share of its range from which the noise of a channel is worth a word where nothing was found."""
 
 WORSE = 1.05
 """Error after, relative to before, from which data not fitted speak against what was added."""
@@ -162,10 +168,27 @@ def _sentences_on_refused(refused: Refused, errors: Mapping[str, ChannelError]) 
 def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
     first = _missed(diagnosis)
     if _reaches_noise(judged(diagnosis)):
-        return [first, 'No effect of the catalogue improves on that beyond chance.']
+        return [first, 'No effect of the catalogue improves on that beyond chance.',
+                *_hidden_in_noise(diagnosis)]
+    if _reaches_noise(scored(diagnosis.error)):
+        return [
+            first, 'That is more than noise, but the data that were fitted are met to the noise: '
+            'what is missing shows in the unseen ones alone, which nothing may be fitted to. '
+            'Something changed on the way, or they go where the others did not.']
     return [
         first, 'That is more than noise, but no effect of the catalogue, and no smooth term, '
-        'improves on it beyond chance: a record with more movement may show what is missing.']
+        'improves on the data it was fitted to beyond chance: a record with more movement may '
+        'show what is missing.']
+
+
+def _hidden_in_noise(diagnosis: Diagnosis) -> list[str]:
+    """Return a sentence for each channel whose noise would hide much, where nothing was found."""
+    shares = {name: error.noise / max(float(np.nanmax(values) - np.nanmin(values)), error.noise)
+              for name, error in judged(diagnosis).items()
+              if np.isfinite(values := diagnosis.experiment.measured[name]).any()}
+    return [f'The noise of the {channel_label(name)} is {100.0 * share:.0f} % of its range in this '
+            'record: what is smaller may be there all the same.'
+            for name, share in shares.items() if share > LOUD]
 
 
 def _sentence_on_unknown(unknown: UnknownTerm) -> str:
@@ -228,8 +251,8 @@ def _gain(diagnosis: Diagnosis) -> list[str]:
     if not scored(diagnosis.held_out):
         return [gain]
     if not _missing(errors):
-        gain = (f'Data {_UNSEEN} need nothing added, and so do not confirm it: there the error '
-                f'goes in {changes}.')
+        gain = (f'Data {_unseen(diagnosis)} need nothing added, and so do not confirm it: there '
+                f'the error goes in {changes}.')
     return [gain, *_doubts(errors)]
 
 
@@ -311,7 +334,14 @@ def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
 
 
 def _where(diagnosis: Diagnosis) -> str:
-    return f'on data {_UNSEEN}' if scored(diagnosis.held_out) else 'on the data it was fitted to'
+    return f'on data {_unseen(diagnosis)}' if scored(diagnosis.held_out) else (
+        'on the data it was fitted to')
+
+
+def _unseen(diagnosis: Diagnosis) -> str:
+    """Return what the locked part is: where it has decided, it has been seen."""
+    return 'that nothing was fitted to, but that had a say in the verdict' if diagnosis.decided \
+        else _UNSEEN
 
 
 def _is_noise(error: ChannelError) -> bool:
