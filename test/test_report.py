@@ -31,7 +31,7 @@ from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
 from booster_ros.report.engineering import digits_apart, number, scale_of, si_text, side_by_side
 from booster_ros.report.explanation import best_explanation, explained_share
-from booster_ros.report.figure_style import envelope
+from booster_ros.report.figure_style import envelope, over_time
 from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
 from booster_ros.report.parameter_files import write_parameter_files
@@ -583,6 +583,19 @@ def test_the_variable_that_a_residual_depends_on_is_found():
     assert found.share == pytest.approx(np.var(x**2) / np.var(residual), abs=0.05)
     assert explained_share(residual, y) < 0.05
     assert best_explanation(rng.standard_normal(2000), {'x': x, 'y': y}) is None
+
+
+@pytest.mark.parametrize('rows', [200, 100_000])
+def test_a_line_over_time_is_not_drawn_across_a_gap(rows):
+    time = 0.01 * np.arange(float(rows))
+    time[rows // 2:] += 50.0
+    x, y = over_time(time, np.sin(time))
+    here, = np.flatnonzero(np.isnan(y))
+    assert x[here - 1] < time[rows // 2 - 1] + 1e-9
+    assert x[here] == time[rows // 2] <= x[here + 1]
+    assert np.all(np.diff(x) >= 0.0)
+    x, y = over_time(0.01 * np.arange(float(rows)), np.sin(time))
+    assert np.isfinite(y).all()
 
 
 def test_a_thinned_line_keeps_its_peaks_and_its_gaps():

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 import numpy as np
 
 from booster_ros.diagnosis.segments import Segment
+from booster_ros.records.time_axis import gap_rows
 
 Array = np.ndarray
 
@@ -99,6 +100,14 @@ def envelope(x: Array, y: Array) -> tuple[Array, Array]:
         else:
             rows.append(int(first))
     return x[rows], y[rows]
+
+
+def over_time(time: Array, y: Array) -> tuple[Array, Array]:
+    """Return a line over time thinned like `envelope`, and broken where the record has a gap."""
+    x, y = envelope(time, y)
+    resumed = time[gap_rows(time)]
+    places = np.searchsorted(x, resumed)
+    return np.insert(x, places, resumed), np.insert(y, places, np.nan)
 
 
 def thin(*series: Array, most: int = 1600) -> list[Array]:

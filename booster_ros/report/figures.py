@@ -13,7 +13,7 @@ from booster_ros.diagnosis.result import ChannelError, UnknownTerm
 from booster_ros.report.engineering import scale_of
 from booster_ros.report.explanation import binned_mean
 from booster_ros.report.figure_style import (
-    AFTER, BEFORE, MEASURED, NOISE, blank, envelope, role_strip, shade_locked, thin)
+    AFTER, BEFORE, MEASURED, NOISE, blank, over_time, role_strip, shade_locked, thin)
 from booster_ros.report.view import View, axis_label, scale
 from booster_ros.report.wording import channel_label
 
@@ -72,13 +72,13 @@ def measured_and_models(view: View) -> Figure:
     role_strip(panels[0], time, segments)
     for axes, name in zip(panels[1:], drives):
         style = 'steps-post' if name == 'control_current' else 'default'
-        axes.plot(*envelope(time, view.drive(name)), color=MEASURED, drawstyle=style)
+        axes.plot(*over_time(time, view.drive(name)), color=MEASURED, drawstyle=style)
         axes.set_ylabel(axis_label(name).replace(', ', ',\n'))
     for axes, name in zip(panels[1 + len(drives):], view.channels):
-        axes.plot(*envelope(time, view.measured(name)), color=MEASURED, linewidth=2.4, alpha=0.45,
+        axes.plot(*over_time(time, view.measured(name)), color=MEASURED, linewidth=2.4, alpha=0.45,
                   label='measured')
         for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
-            axes.plot(*envelope(time, view.model(stage, name)), color=colour, label=label)
+            axes.plot(*over_time(time, view.model(stage, name)), color=colour, label=label)
         axes.set_ylabel(axis_label(name))
     for axes in panels[1:]:
         shade_locked(axes, time, segments)
@@ -97,7 +97,7 @@ def residuals_over_time(view: View) -> Figure:
         shade_locked(axes, view.time, view.diagnosis.segments)
         noise_band(axes, view, name)
         for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
-            axes.plot(*envelope(view.time, view.residual(stage, name)), color=colour, label=label,
+            axes.plot(*over_time(view.time, view.residual(stage, name)), color=colour, label=label,
                       linewidth=0.9)
         residual_label(axes, name)
     panels[-1].set_xlabel('time, s')
