@@ -23,6 +23,7 @@ from std_msgs.msg import Float64, String
 
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import Plant
+from booster_ros.nodes.current_limits import CurrentLimits
 from booster_ros.nodes.progress import Progress
 from booster_ros.nodes.silence import Silence
 from booster_ros.records import Record, read_record
@@ -376,3 +377,13 @@ def test_each_tenth_of_a_profile_is_told_once(monkeypatch):
     for tick in range(4401):
         progress.show(tick / 100)
     assert [line.split()[-1] for line in told] == [f'{share}%' for share in range(10, 101, 10)]
+
+
+@pytest.mark.parametrize('value', [None, 3, 'high', [0.0], [0.0, 1.0, 2.0], ['a', 'b'], True])
+def test_what_is_no_pair_of_numbers_limits_no_current(value):
+    limits = CurrentLimits(None)
+    limits.take('driver', value)
+    assert limits.complaint(1e9) == ''
+    limits.take('positioner', [0.0, 2e-3])
+    assert limits.complaint(2e-3) == ''
+    assert 'current_limits of positioner' in limits.complaint(2.1e-3)

@@ -5,6 +5,7 @@
 from functools import partial
 from typing import Any
 
+import numpy as np
 from rcl_interfaces.srv import GetParameters
 from rclpy.client import Client
 from rclpy.node import Node
@@ -41,9 +42,9 @@ class CurrentLimits:
 
     def take(self, name: str, value: Any) -> None:
         """Take note of what a node has for limits, A; of anything else but two numbers, nothing."""
-        if value is not None and not isinstance(value, (str, bytes)) and len(value) == 2:
-            low, high = value
-            self._limits[name] = low, high
+        limits = np.asarray(value)
+        if limits.shape == (2,) and limits.dtype.kind in 'fi':
+            self._limits[name] = float(limits[0]), float(limits[1])
 
     def complaint(self, current: float) -> str:
         """Return that a current (A) is beyond what one of them takes, '' where it is not."""
