@@ -49,8 +49,8 @@ DISTURBED = 2.0
 """Variance of a piece, relative to the median piece, above which the valve has moved in it."""
 
 USUAL, ROUNDS = 0.995, 4
-"""Or above this quantile of pieces of noise of the colour found, if that is more; in so many rounds,
-as the colour hangs on which pieces count."""
+"""Or above this quantile of pieces of noise of the colour found, if that is more; found in so many
+rounds, as it hangs on which pieces count."""
 
 CHANCE = 3.0
 SMALL = 0.1
