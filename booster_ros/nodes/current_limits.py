@@ -16,6 +16,10 @@ LIMITS = 'current_limits'
 """The parameter of a positioner that holds the lowest and the highest current it follows, A."""
 
 
+PATIENCE = 3.0
+"""Real time, s, in which a node that can be asked for parameters has answered."""
+
+
 class CurrentLimits:
     """
     The limits of the positioners that were asked, by the names of their nodes.
@@ -27,18 +31,30 @@ class CurrentLimits:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._clients: dict[str, Client] = {}
+        self._since: dict[str, float] = {}
         self._unasked: set[str] = set()
+        self._unanswered: set[str] = set()
         self._limits: dict[str, tuple[float, float]] = {}
 
-    def ask(self, name: str) -> None:
-        """Ask a node, once; to be called again and again, as its service may be found later."""
+    def ask(self, name: str, now: float) -> None:
+        """
+        Ask a node, once; to be called again and again, as its service may be found later.
+
+        `now` is the real time, s.
+        """
         if name not in self._clients:
             self._clients[name] = self._node.create_client(GetParameters, f'{name}/get_parameters')
+            self._since[name] = now
             self._unasked.add(name)
+            self._unanswered.add(name)
         elif name in self._unasked and self._clients[name].service_is_ready():
             self._unasked.remove(name)
             answer = self._clients[name].call_async(GetParameters.Request(names=[LIMITS]))
             answer.add_done_callback(partial(self._on_answer, name))
+
+    def awaited(self, now: float) -> bool:
+        """Tell whether a node may still answer, at this real time, s."""
+        return any(now - self._since[name] < PATIENCE for name in self._unanswered)
 
     def take(self, name: str, value: Any) -> None:
         """Take note of what a node has for limits, A; of anything else but two numbers, nothing."""
@@ -55,6 +71,7 @@ class CurrentLimits:
         return ''
 
     def _on_answer(self, name: str, answer: Future) -> None:
+        self._unanswered.discard(name)
         response = answer.result()
         if response is not None and response.values:
             self.take(name, parameter_value_to_python(response.values[0]))

@@ -149,10 +149,11 @@ class FakeController(Node):
         in_the_way = self._in_the_way()
         now = self._seconds()
         if not in_the_way:
-            self._ask_limits()
+            self._ask_limits(now)
             if self._complete_since is None:
                 self._complete_since = now
-            if self._settings.lockstep or now - self._complete_since >= SETTLING:
+            if self._settings.lockstep or (now - self._complete_since >= SETTLING
+                                           and not self._limits.awaited(now)):
                 self.destroy_timer(self._look_out)
                 self._look_out = self.create_timer(
                     WATCH_PERIOD, self._on_watch, clock=self._steady_clock)
@@ -166,11 +167,11 @@ class FakeController(Node):
                 'no positioner to play to within wait_timeout '
                 f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}')
 
-    def _ask_limits(self) -> None:
+    def _ask_limits(self, now: float) -> None:
         """Ask who answers the commands, where more is wanted of it than to hear them."""
-        if self._needed():
+        if self._needed() and not self._settings.lockstep:  # which asks for more at a time
             for name in self._feedback.publishers():
-                self._limits.ask(name)
+                self._limits.ask(name, now)
 
     def _in_the_way(self) -> list[str]:
         """Return what keeps the profile from being played."""
