@@ -339,7 +339,7 @@ def test_a_current_that_the_positioner_refuses_is_not_recorded(tmp_path, lockste
         'positioner, 0 to 0.002 A: it does not follow that, so that it cannot be recorded')
     record = read_record(csv)
     assert set(record['control_current']) == {1e-4}
-    assert 0.7 < record['time'][-1] <= 1.0
+    assert 0.5 < record['time'][-1] < 1.2  # a busy machine sends late, and receives later
 
 
 def test_of_a_current_that_the_positioner_refuses_is_warned_once(positioner):
