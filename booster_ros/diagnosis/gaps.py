@@ -43,8 +43,8 @@ def gaps_that_hide(
     if not len(ends):
         return []
     missed = np.any([_misses(time, columns[name], ends) for name in drives], axis=0)
-    last = np.maximum.accumulate(np.where(known, np.arange(len(time)), 0))
-    return [slice(int(last[row - 1]), int(row)) for row in ends[missed]]
+    last = last_known(np.where(known, 0.0, np.nan))
+    return [slice(max(int(last[row - 1]), 0), int(row)) for row in ends[missed]]
 
 
 def settled(time: Array, gaps: Sequence[slice]) -> Array:

@@ -26,8 +26,8 @@ LOUD = 0.85
 """Pieces are not alike if the quietest say less than this share of what all differences say."""
 
 REPEATS = 0.2
-"""Share of rows that read as the row before, from which a piece lies at an end of its sensor: finer
-steps than `FINE` repeat in less than half as many."""
+"""Share of rows that read as the row before, or as the end itself, from which a piece lies at an
+end of its sensor: finer steps than `FINE` repeat in less than half as many."""
 
 FINE = 0.3
 """Steps up to this share of the noise move the median of differences by less than 5 %."""

@@ -247,19 +247,19 @@ def without_stuck(
     Such a reading has no noise, so it would outweigh all others. RecordError where none is left.
     """
     ranges = {'valve_position': declared.actuator.travel, 'mass_flow': np.inf}
+    pressure_stands = stands_still(experiment.measured.get('chamber_pressure', np.array([])))
     stuck = {}
     for name, values in experiment.measured.items():
-        known = values[np.isfinite(values)]
-        if not len(known) or np.ptp(known) > 0.0:
+        if not stands_still(values):
             continue
-        driven = _driven(experiment) if name == 'valve_position' and _moves(
-            experiment.measured.get('chamber_pressure')) else experiment
+        alone = name == 'valve_position' and not pressure_stands
+        driven = _driven(experiment) if alone else experiment
         moves = float(np.ptp(driven.predict(declared)[name][np.isfinite(values)]))
         if moves > STUCK * ranges.get(name, declared.supply.pressure):
             stuck[name] = (
-                f'{name} is not compared: it reads {known[0]:.6g} {UNITS[name]} in every row where '
-                f'the declared model moves by {moves:.3g} {UNITS[name]}, which is a sensor, or a '
-                'valve, that sticks fast')
+                f'{name} is not compared: it reads {np.nanmax(values):.6g} {UNITS[name]} in every '
+                f'row where the declared model moves by {moves:.3g} {UNITS[name]}, which is a '
+                'sensor, or a valve, that sticks fast')
     if not stuck:
         return experiment
     left = {name: values for name, values in experiment.measured.items() if name not in stuck}
@@ -269,8 +269,10 @@ def without_stuck(
                    notes=(*experiment.notes, *stuck.values()))
 
 
-def _moves(values: Array | None) -> bool:
-    return values is not None and bool(np.nanmax(values) > np.nanmin(values))
+def stands_still(values: Array) -> bool:
+    """Tell whether a channel reads one value in every row in which it reads any."""
+    known = values[np.isfinite(values)]
+    return len(known) > 0 and bool(np.ptp(known) == 0.0)
 
 
 def check_clock(experiment: Experiment, declared: PositionerParameters, source: str) -> None:

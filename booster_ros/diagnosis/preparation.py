@@ -15,7 +15,7 @@ from booster_ros.diagnosis.noise import white_noise
 from booster_ros.diagnosis.noise_colour import noise_of, rests_of
 from booster_ros.diagnosis.plausibility import (
     check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales,
-    without_stuck)
+    stands_still, without_stuck)
 from booster_ros.diagnosis.roles import Roles, roles
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
@@ -92,11 +92,11 @@ def prepare(
     )
     if not quasi_static:
         usable &= caught_up(experiment, declared, gaps)
+        compared = {name: np.where(usable, values, np.nan) for name, values in compared.items()}
+        left_out = _gap_notes(usable, role)
+        _check_enough(compared, record.source, *left_out)
         experiment = replace(
-            experiment, measured={name: np.where(usable, values, np.nan)
-                                  for name, values in compared.items()},
-            notes=(*experiment.notes, *_gap_notes(usable, role)))
-        _check_enough(experiment.measured, record.source, *_gap_notes(usable, role))
+            experiment, measured=compared, notes=(*experiment.notes, *left_out))
     check_drive(experiment, declared, record.source)
     check_bench(experiment, declared, record.source)
     if not quasi_static:
@@ -244,9 +244,8 @@ def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:
 
 
 def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
-    known = {name: values[np.isfinite(values)] for name, values in compared.items()}
     return tuple(f'{name} stands still: every row has the same value'
-                 for name, values in known.items() if len(values) and np.ptp(values) == 0.0)
+                 for name, values in compared.items() if stands_still(values))
 
 
 def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters) -> Experiment:

@@ -31,9 +31,8 @@ class CurrentLimits:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._clients: dict[str, Client] = {}
-        self._since: dict[str, float] = {}
         self._unasked: set[str] = set()
-        self._unanswered: set[str] = set()
+        self._awaited_since: dict[str, float] = {}
         self._limits: dict[str, tuple[float, float]] = {}
 
     def ask(self, name: str, now: float) -> None:
@@ -44,9 +43,8 @@ class CurrentLimits:
         """
         if name not in self._clients:
             self._clients[name] = self._node.create_client(GetParameters, f'{name}/get_parameters')
-            self._since[name] = now
             self._unasked.add(name)
-            self._unanswered.add(name)
+            self._awaited_since[name] = now
         elif name in self._unasked and self._clients[name].service_is_ready():
             self._unasked.remove(name)
             answer = self._clients[name].call_async(GetParameters.Request(names=[LIMITS]))
@@ -54,7 +52,7 @@ class CurrentLimits:
 
     def awaited(self, now: float) -> bool:
         """Tell whether a node may still answer, at this real time, s."""
-        return any(now - self._since[name] < PATIENCE for name in self._unanswered)
+        return any(now - since < PATIENCE for since in self._awaited_since.values())
 
     def take(self, name: str, value: Any) -> None:
         """Take note of what a node has for limits, A; of anything else but two numbers, nothing."""
@@ -71,7 +69,7 @@ class CurrentLimits:
         return ''
 
     def _on_answer(self, name: str, answer: Future) -> None:
-        self._unanswered.discard(name)
+        del self._awaited_since[name]
         response = answer.result()
         if response is not None and response.values:
             self.take(name, parameter_value_to_python(response.values[0]))

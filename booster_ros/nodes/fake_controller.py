@@ -90,7 +90,6 @@ class FakeController(Node):
         self._currents = self.create_publisher(Float64, 'control_current', QUEUE_DEPTH)
         self._set_points = self.create_publisher(Float64, '~/set_point', QUEUE_DEPTH)
         self._limits = CurrentLimits(self)
-        self._complained = False
         time = NodeTime(self)
         self._pace = self._make_pace(time)
         self._feedback = Feedback(
@@ -214,9 +213,8 @@ class FakeController(Node):
         complaint = self._limits.complaint(self._current)
         if complaint and self._recorded_to():
             raise ParameterError(f'{complaint}, so that it cannot be recorded')
-        if complaint and not self._complained:
-            self._complained = True
-            self.get_logger().warning(complaint)
+        if complaint:
+            self.get_logger().warning(complaint, once=True)
 
     def repeat(self) -> None:
         """Send the last command again."""
