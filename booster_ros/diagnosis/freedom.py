@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a fit may turn: declared parameters within their priors, and parameters of effects."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -145,6 +145,22 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
         found.append(Free(
             Knob(name, value, low, value + 5.0 * spread, value), value, spread, 1.0, element))
     return found
+
+
+LOOSENED = 3.0
+"""How many times as far a declared parameter may be off, and go, beside an effect it is less sure
+with."""
+
+
+def loosened(free: Free, effect: Effect) -> Free:
+    """Return what is free beside an effect: wider where that makes it less well known."""
+    knob = free.knob
+    if knob.parameter not in effect.loosens or not np.isfinite(free.sigma):
+        return free
+    low, high = (free.centre + LOOSENED * (end - free.centre) for end in (knob.low, knob.high))
+    described = DESCRIPTIONS[knob.parameter]
+    return replace(free, sigma=LOOSENED * free.sigma, knob=replace(
+        knob, low=max(low, described.low), high=min(high, described.high)))
 
 
 def effect_freedom(effect: Effect) -> list[Free]:

@@ -29,7 +29,7 @@ from scipy.signal import periodogram
 
 from booster_ros.diagnosis.descent import straight
 from booster_ros.diagnosis.fit import Fit, Problem
-from booster_ros.diagnosis.freedom import Free, effect_freedom
+from booster_ros.diagnosis.freedom import Free, effect_freedom, loosened
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS, Effect
 
@@ -83,7 +83,8 @@ def with_effect(problem: Problem, effect: Effect) -> Problem:
     present = {(f.knob.parameter, f.element) for f in problem.freedoms}
     added = tuple(f for f in effect_freedom(effect) if (f.knob.parameter, f.element) not in present
                   and not (f.knob.clocked and problem.experiment.quasi_static))
-    return Problem(problem.experiment, problem.rows, problem.base, problem.freedoms + added)
+    kept = tuple(loosened(f, effect) for f in problem.freedoms) if added else problem.freedoms
+    return Problem(problem.experiment, problem.rows, problem.base, kept + added)
 
 
 def _with_sizes(problem: Problem, z: Array, e: Array) -> Array:
@@ -182,6 +183,7 @@ class Reference:
     jacobian: Array
     factors: tuple[Array, Array]
     room: tuple[Array, Array]
+    residuals: Array
     left: Array
 
     def reaction(self, r: Array) -> Array:
@@ -203,8 +205,29 @@ def reference_at(problem: Problem, fit: Fit) -> Reference:
     low, high = problem.bounds()
     z = np.clip(fit.z, low, high)
     r = problem.residuals(z)
-    bare = Reference(z, fit.jacobian, np.linalg.qr(fit.jacobian), (low - z, high - z), r)
-    return replace(bare, left=r + fit.jacobian @ bare.reaction(r))
+    return _reference(z, r, fit.jacobian, (low - z, high - z))
+
+
+def _reference(z: Array, r: Array, jacobian: Array, room: tuple[Array, Array]) -> Reference:
+    bare = Reference(z, jacobian, np.linalg.qr(jacobian), room, r, r)
+    return replace(bare, left=r + jacobian @ bare.reaction(r))
+
+
+def _beside(reference: Reference, problem: Problem, joint: Problem) -> Reference:
+    """Return the reference with the priors that the declared parameters have beside the effect."""
+    known = [(before.sigma, after.sigma) for before, after in zip(
+        problem.freedoms, joint.freedoms) if np.isfinite(before.sigma)]
+    ratios = np.array([before / after for before, after in known])
+    if np.all(ratios == 1.0):
+        return reference
+    weights = np.ones(len(reference.residuals))
+    end = len(weights) - problem.nuisances
+    weights[end - len(ratios):end] = ratios
+    size = len(problem.freedoms)
+    low, high = (np.delete(ends, np.s_[size:len(joint.freedoms)]) for ends in joint.bounds())
+    z = reference.z
+    return _reference(z, weights * reference.residuals, weights[:, None] * reference.jacobian,
+                      (low - z, high - z))
 
 
 def references(problem: Problem, fit: Fit) -> list[Reference]:
@@ -229,7 +252,7 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
     low, high = joint.bounds()
     starts: list[Array] = []
     costs: list[float] = []
-    for reference in around:
+    for reference in (_beside(one, problem, joint) for one in around):
         best, lowest = None, float('inf')
         trials = [_tried(problem, joint, reference, e)
                   for e in _sizes_to_try(free, frequencies, TYPICAL if few else SIZES)]
@@ -271,6 +294,7 @@ def promise(problem: Problem, reference: Reference, name: str, frequencies: Arra
     where it has no size to try.
     """
     joint = with_effect(problem, EFFECTS[name])
+    reference = _beside(reference, problem, joint)
     trials = [_tried(problem, joint, reference, e) for e in _sizes_to_try(
         joint.freedoms[len(problem.freedoms):], frequencies, SMALL)]
     if not trials:
