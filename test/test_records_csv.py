@@ -230,6 +230,37 @@ def test_steps_and_peaks_that_last_and_signals_that_go_to_and_fro_are_kept(tmp_p
     assert not defects(read_lines(tmp_path, alternating), 'wild_value')
 
 
+def spiked(current, spikes=(500, 1200), size=5e3, rows=2000):
+    """Return the lines of noise about a level that follows the command, with spikes in it."""
+    rng = np.random.default_rng(2)
+    pressure = 2e5 + 1e9 * (current - 4e-4) + 150.0 * rng.standard_normal(rows)
+    pressure[list(spikes)] += size
+    return [HEADER] + [f'{row / 100},{one:.9f},{p:.0f},0.001'
+                       for row, (one, p) in enumerate(zip(current, pressure))]
+
+
+SLOW_SINE = 4e-4 + 5e-5 * np.sin(np.arange(2000) / 300.0)
+
+
+def test_small_spikes_through_which_the_command_ran_on_are_not_used(tmp_path):
+    """A valve cannot have gone there and back: 5 kPa in a range of 100."""
+    record = read_lines(tmp_path, spiked(SLOW_SINE))
+    assert np.flatnonzero(np.isnan(record['chamber_pressure'])).tolist() == [500, 1200]
+
+
+def test_small_spikes_that_the_command_may_have_made_are_kept(tmp_path):
+    current = SLOW_SINE.copy()
+    current[[499, 1200]] += 5e-6  # a valve answers in the same row or in the next
+    assert not defects(read_lines(tmp_path, spiked(current)), 'wild_value')
+    without = [line.split(',', 2)[0] + ',' + line.split(',', 2)[2] for line in spiked(SLOW_SINE)]
+    assert not defects(read_lines(tmp_path, without), 'wild_value')
+
+
+def test_peaks_as_are_usual_in_a_record_are_kept(tmp_path):
+    often = range(50, 2000, 100)  # one in a hundred rows: below noise and steps nothing is wild
+    assert not defects(read_lines(tmp_path, spiked(SLOW_SINE, often)), 'wild_value')
+
+
 @pytest.mark.parametrize('step', [1.0, 400.0])
 def test_noise_and_flicker_of_a_signal_that_stands_still_are_no_wild_values(tmp_path, step):
     noise = 150.0 * np.random.default_rng(1).standard_normal(4000)

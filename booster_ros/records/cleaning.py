@@ -24,6 +24,7 @@ _LARGEST_GRID = 2**16
 _WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 _FEWEST_ROWS = 200
 _WILD, _NOISY, _ALIKE = 0.3, 15.0, 10.0
+_USUAL, _USUALLY, _STRAIGHT = 4.0, 0.98, 0.01
 _AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
 
 Columns = dict[str, Array]
@@ -176,8 +177,9 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
     Take out values of a single row that no valve can have gone to and come back from.
 
     They are far from both neighbours, which are like each other, by the range of the signal, its
-    noise and its steps. Where there are many they are the signal; a flow has such peaks, and rows
-    without time need not be in any order.
+    noise and its steps; where the command ran on straight, by its noise and what is usual. Where
+    there are many they are the signal; a flow has such peaks, and rows without time need not be in
+    any order.
     """
     values = columns[name]
     if name not in _WITHOUT_PEAKS or 'time' not in columns or len(values) < _FEWEST_ROWS:
@@ -185,18 +187,34 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
     known = values[np.isfinite(values)]
     if not known.size:
         return values, []
-    before, after = values[:-2], values[2:]
-    away = np.abs(values[1:-1] - 0.5 * (before + after))
+    away = _away(values)
     noise = np.nanmedian(away) if np.isfinite(away).any() else 0.0
     step = float(np.min(np.diff(np.unique(known)), initial=np.inf))
-    far = max(_WILD * float(np.ptp(np.quantile(known, [0.001, 0.999]))), _NOISY * (noise + step))
+    noisy = _NOISY * (noise + step)
+    far = max(_WILD * float(np.ptp(np.quantile(known, [0.001, 0.999]))), noisy)
+    odd = max(noisy, _USUAL * float(np.nanquantile(away, _USUALLY)))
+    limit = np.where(_runs_on(columns.get('control_current')), min(odd, far), far)
     wild = np.zeros(len(values), dtype=bool)
-    wild[1:-1] = (away > far) & (away > _ALIKE * np.abs(after - before))
+    wild[1:-1] = (away > limit) & (away > _ALIKE * np.abs(values[2:] - values[:-2]))
     if not 0 < wild.sum() <= max(1, len(values) // _FEWEST_ROWS):
         return values, []
     text = 'far from the rows before and after, not used'
     return np.where(wild, np.nan, values), _listed(
         'wild_value', name, wild, rows, 'value', text)
+
+
+def _runs_on(current: Array | None) -> Array | bool:
+    """Return of each row but the first and last whether the command ran on straight through it."""
+    if current is None:
+        return False
+    bend = _away(current)
+    bend = np.maximum(bend, np.append(bend[:1], bend[:-1]))  # a valve answers a row later
+    return bend <= _STRAIGHT * np.nanmax(np.ptp(current), initial=0.0)
+
+
+def _away(values: Array) -> Array:
+    """Return how far each row but the first and last is from the mean of its neighbours."""
+    return np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
 
 
 def missing_runs(column: str, values: Array, rows: Array) -> list[Defect]:
