@@ -21,7 +21,7 @@ from booster_ros.diagnosis.candidate import NEAR_NOISE
 from booster_ros.diagnosis.cascade import search_above
 from booster_ros.diagnosis.last_fit import last_fit
 from booster_ros.diagnosis.nameless import best_terms
-from booster_ros.diagnosis.next_effect import shows_in_means
+from booster_ros.diagnosis.next_effect import extend, shows_in_means
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.screening import references, screen
 from booster_ros.diagnosis.search import Search, carried
@@ -132,6 +132,16 @@ def test_an_effect_whose_best_trial_is_not_the_most_promising_is_screened_as_wha
              for name in ('plug_flow_force', 'dead_volume_change', 'booster_dead_band')}
     assert min(costs, key=costs.get) == 'plug_flow_force'
     assert costs['plug_flow_force'] < 0.8 * refit.fit.cost
+
+
+def test_a_bend_about_another_back_pressure_than_the_terms_is_met_to_the_noise(tmp_path):
+    """What is straight in it is more than gain and zero are off where the line is straight."""
+    search = replace(search_on((('ep_nonlinearity_bow', -2e3),), 40931026, tmp_path, 'prbs'),
+                     names=('ep_nonlinearity',))
+    refit = search.refit()
+    found, = extend(search, refit, lambda: None)
+    assert found.misfit < 1.1 < 0.2 * refit.misfit
+    assert found.fault == ''
 
 
 @pytest.mark.parametrize(('hidden', 'seed', 'shows'), [
