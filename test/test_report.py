@@ -25,7 +25,16 @@ from made_diagnosis import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.result import ChannelError, Interval, Refitted, Suspect, UnknownTerm
+from booster_ros.diagnosis.result import (
+    Change,
+    ChannelError,
+    FoundEffect,
+    Interval,
+    Moved,
+    Refitted,
+    Suspect,
+    UnknownTerm,
+)
 from booster_ros.model import discrepancy
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
@@ -441,6 +450,54 @@ def test_a_locked_part_that_had_a_say_is_not_said_to_be_unseen(decided):
     assert ('had a say in the verdict' in page.text) is decided
     assert ('no step has seen these data' in page.text) is not decided
     assert ('no step of this analysis had seen' in page.text) is not decided
+
+
+CHANGE = Change(60.07, 1.01, 2500.0, cut=True)
+FALLEN = Moved('supply.pressure', 'Pa', 400e3, 392e3, 1.4)
+DRIFTED = Moved('ep_converter.offset', 'Pa', 0.0, 3.6e3, 2.1)
+
+
+def changed(change, found):
+    """Return the diagnosis as one of what came after a change, where it was cut there."""
+    begins = change.time if change.cut else 0.0
+    return replace(found, change=change, experiment=replace(found.experiment, begins=begins))
+
+
+def test_when_the_valve_changed_is_said_before_what_is_of_what_came_after():
+    found = changed(CHANGE, friction_found())
+    first, after, *rest = verdict_sentences(found)
+    assert first.startswith('Up to 60.07 s the declared model, refitted to that part, meets')
+    assert 'misses by 50 times the noise' in first
+    assert after == 'All that follows is of the record from 60.07 s on.'
+    assert rest == verdict_sentences(friction_found())
+    assert verdict_title(found) == verdict_title(friction_found())
+    page = html_page(found, FROM)
+    assert page.count('time from 60.07 s on, s') == 2
+    assert 'time from' not in html_page(friction_found(), FROM)
+
+
+@pytest.mark.parametrize(('moved', 'said'), [
+    ((FALLEN,), 'supply.pressure from 400 kPa to 392 kPa (1.2 times the noise left).'),
+    ((FALLEN, DRIFTED), 'supply.pressure from 400 kPa to 392 kPa (1.2 times the noise left) or '
+     'ep_converter.offset from 0 kPa to 3.60 kPa (1.4 times the noise left).'),
+    ((replace(FALLEN, left=9.0),), '(3.0 times the noise left); more than one has changed.'),
+])
+def test_declared_parameters_that_changed_are_told_by_their_values(moved, said):
+    effect = FoundEffect('unknown', 'supply', {}, (), '', {})
+    found = replace(changed(replace(CHANGE, moved=moved), nothing_found()),
+                    verdict='unknown', effects=(effect,))
+    assert verdict_title(found) == 'The valve changed at 60.07 s'
+    assert verdict_sentences(found)[-1].endswith(said)
+    assert Page(html_page(found, FROM)).texts
+    written = json.loads(json_text(found, FROM))
+    assert written['record']['begins'] == 60.07
+    assert [one['name'] for one in written['change']['moved']] == [one.name for one in moved]
+
+
+def test_a_change_after_which_nothing_is_told_is_no_claim_that_the_model_is_enough():
+    found = changed(replace(CHANGE, cut=False), nothing_found())
+    assert verdict_title(found) == 'Something changed at 60.07 s'
+    assert 'is of the whole record' in verdict_sentences(found)[1]
 
 
 def test_residuals_are_drawn_over_the_run_that_is_reported():

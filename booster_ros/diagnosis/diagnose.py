@@ -14,7 +14,7 @@ from booster_ros.diagnosis.birthplace import where_born
 from booster_ros.diagnosis.candidate import Candidate, best_of_each, gain, told_apart
 from booster_ros.diagnosis.experiment import Experiment
 from booster_ros.diagnosis.fit import Fit
-from booster_ros.diagnosis.freedom import Free, get
+from booster_ros.diagnosis.freedom import Free, get, label
 from booster_ros.diagnosis.intervals import interval_of, shapes_of, traded
 from booster_ros.diagnosis.last_fit import LastFit, last_fit
 from booster_ros.diagnosis.locked_part import DOES_NOT_STAND, less_the_locked_part, opened
@@ -248,7 +248,7 @@ def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
         name, element = free.knob.parameter, free.element
         z_before, z = (free.variable(get(fit.parameters, name, element)) for fit in (before, after))
         rows.append(Refitted(
-            name if element is None else f'{name}[{element}]', DESCRIPTIONS[name].unit,
+            label(free), DESCRIPTIONS[name].unit,
             get(search.declared, name, element), get(before.parameters, name, element),
             get(after.parameters, name, element), free.spread,
             free.away(z_before), free.away(z), _at_limit(free, z)))

@@ -77,8 +77,8 @@ class Experiment:
     of the model's own states; `measured` channels are compared, NaN where a row does not count;
     `noise` is the standard deviation of each measured channel, `drive_noise` that of the pinned
     ones, where it counts. A `quasi_static` experiment is a sweep without a clock: its time only
-    counts rows. `notes` say what was left out and assumed; `tolerance` multiplies that of the
-    solver.
+    counts rows; any other's counts from `begins`, s in the record's clock. `notes` say what was
+    left out and assumed; `tolerance` multiplies that of the solver.
     """
 
     time: Array
@@ -89,6 +89,7 @@ class Experiment:
     initial: Initial
     drive_noise: Mapping[str, DriveNoise] = field(default_factory=dict)
     quasi_static: bool = False
+    begins: float = 0.0
     notes: tuple[str, ...] = ()
     tolerance: float = DEFAULT_TOLERANCE
 

@@ -70,6 +70,12 @@ class Free:
         return 0.0 if self.knob.inverse else self.variable(self.knob.neutral)
 
 
+def label(free: Free) -> str:
+    """Return the dotted name of what a fit turns, with the element of a list."""
+    name = free.knob.parameter
+    return name if free.element is None else f'{name}[{free.element}]'
+
+
 def put(p: PositionerParameters, name: str, value: float, element: int | None = None
         ) -> PositionerParameters:
     """Return the parameters with one of them, by its dotted name, changed."""

@@ -61,6 +61,7 @@ def prepare(
     columns, trimmed = _from_known_start(record, role)
     check_scales(columns, declared, record.source)
     time = columns.get('time')
+    begins = 0.0
     sampled = {name: columns[name] for name in role.pinned}
     if time is not None:
         columns |= {name: _between_samples(time, values) for name, values in sampled.items()}
@@ -68,8 +69,9 @@ def prepare(
     if time is None:
         time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
     elif time[0] != 0.0:  # what warms up or swings does so from where the record begins
-        trimmed = (*trimmed, f'time counted from the first row used, at {time[0]:.9g} s')
-        time = time - time[0]
+        begins = float(time[0])
+        trimmed = (*trimmed, f'time counted from the first row used, at {begins:.9g} s')
+        time = time - begins
     gaps = [] if quasi_static else gaps_that_hide(time, columns, role.drives)
     usable = _usable_rows(time, columns, role, quasi_static)
     compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
@@ -88,6 +90,7 @@ def prepare(
         drive_noise={} if quasi_static else {
             name: _drive_noise(name, values, rests) for name, values in sampled.items()},
         quasi_static=quasi_static,
+        begins=begins,
         notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)),
     )
     if not quasi_static:

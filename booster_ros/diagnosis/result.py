@@ -158,6 +158,39 @@ class Refused:
 
 
 @dataclass(frozen=True)
+class Moved:
+    """
+    A declared parameter before and after a change.
+
+    `left` is the mean square, in that of the noise, that this alone leaves of what came after.
+    """
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    left: float
+
+
+@dataclass(frozen=True)
+class Change:
+    """
+    When the valve changed, s in the record's clock.
+
+    `met` and `missed` are the mean squares, in that of the noise, that the declared model leaves
+    before and from then on, refitted to what was before. The diagnosis is of what came after where
+    the record was `cut` there. `moved` are the declared parameters, likeliest first, where a
+    change of one of them is all that does.
+    """
+
+    time: float
+    met: float
+    missed: float
+    cut: bool = False
+    moved: tuple[Moved, ...] = ()
+
+
+@dataclass(frozen=True)
 class Suspect:
     """A model that was tried: its effects, its mean square misfit (1 is noise), its fate."""
 
@@ -238,6 +271,7 @@ class Diagnosis:
     refused: Refused | None = None
     start: Initial | None = None
     decided: bool = False
+    change: Change | None = None
 
     @property
     def added(self) -> bool:

@@ -65,13 +65,8 @@ class Search:
 
     def rows_and_experiment(self, roles: tuple[str, ...], factor: int) -> tuple[Array, Experiment]:
         """Return the rows of these roles and the experiment, both thinned by `factor`."""
-        size = len(self.experiment.time)
-        rows = rows_of(self.segments, roles, size)
-        factor = min(factor, size // ENOUGH_ROWS)
-        if factor <= 1:
-            return rows, self.experiment
-        thin, kept = self.experiment.thinned(factor)
-        return rows[kept], thin
+        thin, kept = thinned(self.experiment, factor)
+        return rows_of(self.segments, roles, len(self.experiment.time))[kept], thin
 
     def on(self, problem: Problem, roles: tuple[str, ...], factor: int) -> Problem:
         """Return the same problem on segments of these roles, every `factor`-th row."""
@@ -184,6 +179,13 @@ class Search:
         draws = block_bootstrap(problem, fit, of_row[rows])
         faults = {name: undetermined(problem, draws, fit, name) for name in effects}
         return {name: why for name, why in faults.items() if why}
+
+
+def thinned(experiment: Experiment, factor: int) -> tuple[Experiment, Array]:
+    """Return every `factor`-th row of an experiment of so many, and which rows those are."""
+    size = len(experiment.time)
+    factor = min(factor, size // ENOUGH_ROWS)
+    return experiment.thinned(factor) if factor > 1 else (experiment, np.arange(size))
 
 
 def carried(target: Problem, *sources: Fit) -> Array:

@@ -15,6 +15,7 @@ import sys
 from typing import Any
 
 from ..diagnosis.calibration import calibrated
+from ..diagnosis.change import since_change
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment import Experiment
 from ..diagnosis.preparation import DWELL_COMMANDED, DWELL_PINNED, prepare
@@ -23,7 +24,7 @@ from ..diagnosis.validation import validated
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import COLUMNS, RecordError, check_inputs_stay, is_bag, read_record
+from ..records import COLUMNS, Record, RecordError, check_inputs_stay, is_bag, read_record
 from ..report.html_report import html_page
 from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
@@ -65,17 +66,18 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
     _check_bag_options(options)
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
-    (experiment, notes), *validation = _experiments(options, declared)
+    (record, experiment, notes), *others = _experiments(options, declared)
     with _output_folder(options.out) as folder:
-        _tell_notes(options, [notes, *(more for _, more in validation)])
+        _tell_notes(options, [notes, *(more for _, _, more in others)])
         announce_compilation()
         with _progress(check) as tell:
             try:
                 diagnosis = diagnose(experiment, declared, tell, notes)
             except RecordError as error:
                 raise RecordError(f'{options.record}: {error}') from None
-            for other in validation:
-                diagnosis = validated(diagnosis, *other)
+            diagnosis = since_change(diagnosis, record, tell)
+            for _, other, more in others:
+                diagnosis = validated(diagnosis, other, more)
         if options.calibrate:
             with _progress(check) as tell:
                 diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)
@@ -149,14 +151,14 @@ def _seconds(text: str) -> float:
 
 def _experiments(
     options: argparse.Namespace, declared: PositionerParameters
-) -> list[tuple[Experiment, tuple[str, ...]]]:
-    """Return the record as an experiment with its notes, then the other one where it is given."""
+) -> list[tuple[Record, Experiment, tuple[str, ...]]]:
+    """Return the record, also as an experiment with its notes, then the other one if given."""
     records = [
         read_record(path, dict(options.topics), options.stamps) for path in _given(options)]
     if options.dwell and all('time' in record for record in records):
         raise RecordError(_useless('--dwell', 'a sweep without time', options))
     experiments = [prepare(record, declared, options.dwell) for record in records]
-    return [(experiment, (*record.notes, *experiment.notes))
+    return [(record, experiment, (*record.notes, *experiment.notes))
             for record, experiment in zip(records, experiments, strict=True)]
 
 

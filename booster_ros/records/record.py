@@ -3,7 +3,7 @@
 """A record of a positioner: named columns in SI units, and what is wrong with them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -116,6 +116,12 @@ class Record:
     def ignored(self) -> tuple[str, ...]:
         """Those of the notes that are on columns which are none of a record."""
         return tuple(str(one) for one in self.defects if one.kind == UNKNOWN_COLUMN)
+
+    def since(self, time: float) -> 'Record':
+        """Return the rows from this time (s) on; KeyError for a record without time."""
+        kept = slice(int(np.searchsorted(self.columns['time'], time)), None)
+        columns = {name: values[kept] for name, values in self.columns.items()}
+        return replace(self, columns=columns, rows=self.rows[kept])
 
     def stretches(self) -> list[slice]:
         """Return the slices between the gaps in time; a simulation must not run across one."""

@@ -82,11 +82,16 @@ def measured_and_models(view: View) -> Figure:
         axes.set_ylabel(axis_label(name))
     for axes in panels[1:]:
         shade_locked(axes, time, segments)
-    panels[-1].set_xlabel('time, s')
+    panels[-1].set_xlabel(_time_label(view))
     panels[-1].set_xlim(time[0], time[-1])
     handles, labels = panels[-1].get_legend_handles_labels()
     figure.legend(handles, labels, loc='outside upper left', ncols=3)
     return figure
+
+
+def _time_label(view: View) -> str:
+    begins = view.diagnosis.experiment.begins
+    return f'time from {begins:.5g} s on, s' if begins else 'time, s'
 
 
 def residuals_over_time(view: View) -> Figure:
@@ -100,7 +105,7 @@ def residuals_over_time(view: View) -> Figure:
             axes.plot(*over_time(view.time, view.residual(stage, name)), color=colour, label=label,
                       linewidth=0.9)
         residual_label(axes, name)
-    panels[-1].set_xlabel('time, s')
+    panels[-1].set_xlabel(_time_label(view))
     panels[-1].set_xlim(view.time[0], view.time[-1])
     handles, labels = panels[-1].get_legend_handles_labels()
     figure.legend(handles, labels, loc='outside upper left', ncols=3)

@@ -9,7 +9,8 @@ import re
 import numpy as np
 
 from booster_ros.diagnosis.result import (
-    AS_GOOD_AS_MEASURED, WORTH_SAYING, ChannelError, Diagnosis, FalseAdd, Refused, UnknownTerm)
+    AS_GOOD_AS_MEASURED, WORTH_SAYING, Change, ChannelError, Diagnosis, FalseAdd, Refused,
+    UnknownTerm)
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import Scale, number, scale_of, side_by_side
 
@@ -29,6 +30,9 @@ WORSE = 1.05
 CONFIRMED = 0.9
 """Where something is missing, error after, relative to before, up to which what was added has a
 share in that."""
+
+SEVERAL = 4.0
+"""Mean square left, in that of the noise, from which one changed parameter alone is not all."""
 
 _CHANNELS = {
     'control_current': 'control current',
@@ -95,12 +99,21 @@ def with_what_was_added(diagnosis: Diagnosis) -> str:
     return 'with the unnamed term' if diagnosis.verdict == 'unknown' else 'with the effect'
 
 
+def when(change: Change) -> str:
+    """Return the words for when the valve changed."""
+    return f'{change.time:.5g} s'
+
+
 def verdict_title(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
+    if diagnosis.change is not None and diagnosis.verdict == 'none':
+        return f'Something changed at {when(diagnosis.change)}'
     if diagnosis.verdict == 'none':
         if _reaches_noise(judged(diagnosis)) and _reaches_noise(scored(diagnosis.validation)):
             return 'The declared model, refitted, is enough for this record'
         return 'Nothing to add'
+    if diagnosis.change is not None and diagnosis.change.moved:
+        return f'The valve changed at {when(diagnosis.change)}'
     if diagnosis.verdict == 'unknown':
         if diagnosis.refused is not None:
             return 'The model lacks something that no named effect explains'
@@ -120,6 +133,35 @@ def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
 
 
 def _sentences(diagnosis: Diagnosis) -> list[str]:
+    change = diagnosis.change
+    if change is not None and change.moved:
+        return [*_sentences_on_change(diagnosis, change), _missed(diagnosis),
+                _sentence_on_moved(change)]
+    return [*(_sentences_on_change(diagnosis, change) if change else ()),
+            *_sentences_on_verdict(diagnosis)]
+
+
+def _sentences_on_change(diagnosis: Diagnosis, change: Change) -> list[str]:
+    said = [f'Up to {when(change)} the declared model, refitted to that part, meets the record to '
+            f'the noise; from there on it misses by {number(np.sqrt(change.missed), 2)} times the '
+            'noise. Something in the valve changed then, or shows for the first time.']
+    if change.cut:
+        return [*said, f'All that follows is of the record from {when(change)} on.']
+    return [*said, 'What came after is too little to be told apart, or tells no more: what follows '
+            'is of the whole record.']
+
+
+def _sentence_on_moved(change: Change) -> str:
+    moves = listing([f'{one.name} from {scale.text(one.before)} to {scale.text(one.after)} '
+                     f'({number(np.sqrt(one.left), 2)} times the noise left)'
+                     for one in change.moved
+                     for scale in [side_by_side(one.unit, (one.before, one.after))]], 'or')
+    several = '; more than one has changed' if change.moved[0].left > SEVERAL else ''
+    return ('The declared model is enough for both parts, with other parameters. Changed alone, '
+            f'all others as they were before, comes nearest: {moves}{several}.')
+
+
+def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict == 'none':
         return _sentences_on_none(diagnosis)
     if diagnosis.verdict == 'unknown' and diagnosis.refused is not None:

@@ -31,6 +31,8 @@ class Chamber(NamedTuple):
     travel_leak: float = 0.0  # m², leak at full travel, none when shut
     relief_leak: float = 0.0  # m² per 100 kPa above relief_pressure
     relief_pressure: float = 190e3  # Pa gauge
+    late_leak: float = 0.0  # m², leak that opens at late_leak_time
+    late_leak_time: float = 20.0  # s
     wall_resistance: float = 0.0  # K/W between gas and wall; 0 keeps the gas at wall temperature
 
 
@@ -51,9 +53,11 @@ def gas_volume(chamber, position):
 
 
 @njit(cache=True)
-def leak_area(chamber, pressure, position):
-    """Return the area in m² through which the chamber loses air at a gauge pressure and travel."""
+def leak_area(chamber, pressure, position, time):
+    """Return the area in m² of all leaks at a gauge pressure, travel and time (s)."""
     area = chamber.leak
+    if time >= chamber.late_leak_time:
+        area += chamber.late_leak
     area += chamber.travel_leak * min(max(position / chamber.travel, 0.0), 1.0)
     area += chamber.relief_leak * max(pressure - chamber.relief_pressure, 0.0) / 1e5
     return area

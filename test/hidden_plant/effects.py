@@ -289,6 +289,14 @@ FURTHER: dict[str, Effect] = {
     ),
 }
 
+# of a valve that changes while it is recorded
+CHANGES: dict[str, Effect] = {
+    'late_leak': Effect(
+        'chamber', LOST_AIR, {'chamber.late_leak': 1.0}, (2e-9, 1e-8, 5e-8)
+    ),
+    'supply_falls': Effect('supply', ('unknown',), {'supply.fall': 1.0}, (1e3, 4e3, 1.2e4)),
+}
+
 NAMELESS: dict[str, Effect] = {**UNCATALOGUED, **FURTHER}
 
-EFFECTS: dict[str, Effect] = {**CATALOGUED, **UNCATALOGUED, **VARIANTS, **FURTHER}
+EFFECTS: dict[str, Effect] = {**CATALOGUED, **UNCATALOGUED, **VARIANTS, **FURTHER, **CHANGES}

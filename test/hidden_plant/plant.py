@@ -136,7 +136,7 @@ def run(valve, currents, start_time):
 
         # line and chamber
         leaked = mass_flow(
-            gas_space.leak_area(chamber, gauge, x),
+            gas_space.leak_area(chamber, gauge, x, time),
             pressure, temperature, ATMOSPHERE, supply.temperature, OTHER_ORIFICES,
         )  # fmt: skip
         through = inflow - exhausted

@@ -20,6 +20,8 @@ class Supply(NamedTuple):
     ripple_frequency: float = 0.25  # Hz
     sag: float = 0.0  # Pa, lost before the compressor cuts in again
     sag_period: float = 31.0  # s
+    fall: float = 0.0  # Pa, lost for good at fall_time
+    fall_time: float = 20.0  # s
 
 
 @njit(cache=True)
@@ -30,5 +32,6 @@ def regulated_pressure(supply, flow, time):
         supply.pressure
         - supply.droop * max(flow, 0.0)
         + supply.ripple * math.sin(2.0 * math.pi * supply.ripple_frequency * time)
+        - (supply.fall if time >= supply.fall_time else 0.0)
         - supply.sag * (cycle - math.floor(cycle))
     )

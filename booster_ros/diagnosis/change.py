@@ -1,0 +1,213 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A valve that changed while it was recorded: a fitting that comes loose, a sensor that is knocked.
+
+All else here takes a record to be of one valve. Where it is of two, what is found is a compromise
+between them, and is left by much. So where a diagnosis leaves much:
+
+1. refit the declared model to the record's beginning; it has to meet that to the noise;
+2. lengthen that part, segment by segment, as far as the refit still does (by bisection);
+3. run that model on: the valve changed where it begins to miss;
+4. diagnose the record from there on, if that is enough of it, as a record of its own;
+5. where nothing is missing in it a declared parameter has changed: one that alone, the others as
+   they were before, explains what came after.
+
+An effect that the record excites for the first time looks the same, and is found the same way.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.applicable import free_to_refit
+from booster_ros.diagnosis.candidate import NEAR_NOISE
+from booster_ros.diagnosis.diagnose import Progress, diagnose
+from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.fit import Fit, Problem
+from booster_ros.diagnosis.freedom import label
+from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.result import (
+    Change, ChannelError, Diagnosis, FoundEffect, Moved)
+from booster_ros.diagnosis.search import EVALUATIONS, THINNING, thinned
+from booster_ros.model.parameters import DESCRIPTIONS
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import Record, RecordError
+
+Array = np.ndarray
+
+MUCH = 4.0
+"""Mean square that a diagnosis has to leave, used or locked rows, in that of noise."""
+
+BEGINNING = 0.25
+"""Share of the record that the declared model has to meet, at the least: a refit to less may
+imitate what has been missing from the start."""
+
+ENOUGH_LEFT = 0.25
+"""Share of the record that has to be left for a diagnosis of its own."""
+
+WORTH_CUTTING = 0.5
+"""What the diagnosis of the rest may leave, relative to that of the whole, in mean squares."""
+
+WINDOW = 25
+"""Rows whose mean square says that the model misses."""
+
+ALIKE = 2.0
+"""
+Mean square that another parameter may leave, relative to the best one, and be the one that changed:
+all others are known only as well as what was before says.
+"""
+
+
+def since_change(
+    diagnosis: Diagnosis, record: Record, progress: Progress | None = None
+) -> Diagnosis:
+    """
+    Return the diagnosis of the record from where the valve changed, as it is if it did not.
+
+    Where too little of the record is left from there on, the same diagnosis that says when.
+    """
+    if diagnosis.experiment.quasi_static or not _most_left(diagnosis) > MUCH:
+        return diagnosis
+    tell = progress or (lambda phrase, share: None)
+    tell('looking for a change of the valve', 0.99)
+    found = _change(diagnosis)
+    if found is None:
+        return diagnosis
+    change, fit = found
+    later = _later(record, change, diagnosis.declared, tell)
+    if later is None or _most_left(later) > WORTH_CUTTING * _most_left(diagnosis):
+        return replace(diagnosis, change=change)
+    if later.verdict != 'none':
+        return replace(later, change=replace(change, cut=True))
+    moved = _moved(later, fit)
+    effects = (FoundEffect('unknown', _place(moved[0].name), {}, tuple(
+        one.name for one in moved[1:]), '', {}),) if moved else ()
+    return replace(later, change=replace(change, cut=True, moved=moved), effects=effects,
+                   verdict='unknown' if moved else 'none')
+
+
+def _left(errors: Mapping[str, ChannelError]) -> float:
+    """Return the mean square that the last model leaves, in that of the noise."""
+    squares = [(one.after / one.noise)**2 for one in errors.values() if np.isfinite(one.after)]
+    return float(np.mean(squares)) if squares else 0.0
+
+
+def _most_left(diagnosis: Diagnosis) -> float:
+    return max(_left(diagnosis.error), _left(diagnosis.held_out))
+
+
+def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
+    """Return when the valve changed, and the declared model's fit to what was before."""
+    experiment = diagnosis.experiment
+    met = _longest_met(diagnosis)
+    if met is None:
+        return None
+    end, fit = met
+    squares = _squares(experiment, fit)
+    row = _first_missed(squares, max(end - WINDOW, 0))  # it may lie in the last rows that were met
+    if row is None:
+        return None
+    return Change(
+        experiment.begins + float(experiment.time[row]), float(np.nanmean(squares[:row])),
+        float(np.nanmean(squares[row:]))), fit
+
+
+def _first_missed(squares: Array, begin: int) -> int | None:
+    """
+    Return the row from which a model misses, looked for from `begin` on, None if nowhere.
+
+    A window of rows says that it does, a cumulative sum since when (E. S. Page, Biometrika 41
+    (1954) 100).
+    """
+    known = begin + np.flatnonzero(np.isfinite(squares[begin:]))
+    missed = np.convolve(squares[known], np.full(WINDOW, 1.0 / WINDOW), 'valid') > MUCH
+    if len(known) < WINDOW or not missed.any():
+        return None
+    until = int(np.argmax(missed)) + WINDOW
+    walk = np.cumsum(np.append(0.0, squares[known[:until]] - MUCH))
+    return int(known[np.argmin(walk[:until])])
+
+
+def _squares(experiment: Experiment, fit: Fit) -> Array:
+    """Return for each row what the fitted model misses it by: mean square, in that of the noise."""
+    predicted = experiment.predict(fit.parameters, fit.initial)
+    scaled = np.array([(measured - predicted[name]) / experiment.noise[name]
+                       for name, measured in experiment.measured.items()])
+    known = np.isfinite(scaled)
+    return np.where(known.any(axis=0), np.sum(np.where(known, scaled, 0.0)**2, axis=0)
+                    / np.maximum(known.sum(axis=0), 1), np.nan)
+
+
+def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
+    """Return to which row the declared model meets the beginning to the noise, and its fit."""
+    time = diagnosis.experiment.time
+    least = time[0] + BEGINNING * (time[-1] - time[0])
+    ends = [segment.last for segment in diagnosis.segments if time[segment.last - 1] >= least]
+    fit = _met(diagnosis, ends[0])
+    if fit is None:
+        return None
+    met, missed = 0, len(ends)
+    while missed - met > 1:
+        middle = (met + missed) // 2
+        longer = _met(diagnosis, ends[middle], fit)
+        if longer is None:
+            missed = middle
+        else:
+            met, fit = middle, longer
+    return ends[met], fit
+
+
+def _met(diagnosis: Diagnosis, end: int, begin: Fit | None = None) -> Fit | None:
+    """Return the declared model fitted up to a row, None if that leaves more than noise."""
+    experiment = diagnosis.experiment
+    thin, kept = thinned(experiment, THINNING)
+    problem = Problem(thin, kept < end, diagnosis.declared,
+                      free_to_refit(diagnosis.declared, experiment))
+    fit = problem.fit(None if begin is None else begin.z, evaluations=EVALUATIONS)
+    return fit if fit.cost < NEAR_NOISE * problem.rows_counted() else None
+
+
+def _later(record: Record, change: Change, declared: PositionerParameters, tell: Progress
+           ) -> Diagnosis | None:
+    """Return the diagnosis of the record from the change on, None where that is too little."""
+    rest = record.since(change.time)
+    if len(rest) < ENOUGH_LEFT * len(record):
+        return None
+    try:
+        experiment = prepare(rest, declared)
+        return diagnose(
+            experiment, declared, lambda phrase, share: tell(
+                f'from {change.time:.4g} s on: {phrase}', share),
+            (*rest.notes, *experiment.notes))
+    except RecordError:
+        return None
+
+
+def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
+    """
+    Return the declared parameters of which one alone explains what came after, best first.
+
+    The others stay as fitted to what was before. Where none does, the one that explains most.
+    """
+    thin, _ = thinned(later.experiment, THINNING)
+    rows = np.ones(len(thin.time), dtype=bool)
+    tried = []
+    for free, z in zip(before.freedoms, before.z):
+        problem = Problem(thin, rows, before.parameters, (free,))
+        fit = problem.fit(
+            np.r_[z, np.zeros(len(before.z) - len(before.freedoms))], EVALUATIONS)
+        tried.append(Moved(
+            label(free), DESCRIPTIONS[free.knob.parameter].unit, float(free.value(z)),
+            float(free.value(fit.z[0])), float(np.nanmean(_squares(thin, fit)))))
+    tried.sort(key=lambda one: one.left)
+    return tuple(one for one in tried if one.left < ALIKE * tried[0].left)
+
+
+def _place(parameter: str) -> str:
+    """Return the location that a declared parameter belongs to."""
+    component, _, name = parameter.partition('.')
+    if component != 'actuator':
+        return component
+    return 'chamber' if name == 'dead_volume' else 'stem'

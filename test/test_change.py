@@ -1,0 +1,86 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Records of valves that changed on the way, by a plant of other equations."""
+
+from hidden_plant.cases import Case, play
+from hidden_plant.currents import KINDS
+from hidden_plant.sensors import recorded
+from made_diagnosis import diagnosis_of, record_of
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.change import since_change
+
+SECONDS = 60.0
+AT = 20.0
+"""When the valve changes, s."""
+
+
+def columns_of(*effects, seed=5):
+    """Return the columns of a record of the hidden plant with these effects."""
+    case = Case('hidden', effects, seed=seed)
+    current = KINDS['mixed'](np.random.default_rng([seed, 1]), SECONDS)
+    pressure, position = recorded(*play(*case.plant(), current), np.random.default_rng(seed))
+    return {'time': 0.01 * np.arange(len(current)), 'control_current': current,
+            'chamber_pressure': pressure, 'valve_position': position}
+
+
+def knocked(by, at):
+    """Return the columns of a valve whose position reads this much more, m, from a time on."""
+    columns = columns_of()
+    columns['valve_position'] = columns['valve_position'] + by * (columns['time'] >= at)
+    return columns
+
+
+def diagnosed(columns):
+    """Return the diagnosis from the change on, after one of the whole that added nothing."""
+    return since_change(diagnosis_of(columns, 'none'), record_of(columns))
+
+
+def meets(found):
+    return all(one.after < 1.15 * one.noise for one in found.held_out.values())
+
+
+def test_a_leak_that_opens_is_told_from_when_it_opened():
+    found = diagnosed(columns_of(('late_leak', 5e-8)))
+    assert found.change.time == pytest.approx(AT, abs=0.5)
+    assert found.change.cut
+    assert found.change.met < 1.15
+    assert found.change.missed > 25.0
+    assert [one.name for one in found.effects] == ['chamber_leak']
+    assert found.after.actuator.leak_area == pytest.approx(5e-8, rel=0.1)
+    assert found.experiment.begins == pytest.approx(found.change.time)
+    assert len(found.experiment.time) == round((SECONDS - found.change.time) / 0.01)
+    assert meets(found)
+
+
+def test_a_supply_that_falls_is_told_by_how_much():
+    found = diagnosed(columns_of(('supply_falls', 8e3)))
+    assert found.change.time == pytest.approx(AT, abs=0.5)
+    assert found.verdict == 'unknown'
+    (effect,) = found.effects
+    assert effect.location == 'supply'
+    likeliest = found.change.moved[0]
+    assert likeliest.name == 'supply.pressure'
+    assert likeliest.after - likeliest.before == pytest.approx(-8e3, rel=0.1)
+    assert effect.confused_with == tuple(one.name for one in found.change.moved[1:])
+    assert meets(found)
+
+
+def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():
+    columns = knocked(3e-4, 50.0)
+    whole = diagnosis_of(columns, 'none')
+    found = since_change(whole, record_of(columns))
+    assert found.change.time == pytest.approx(50.0, abs=0.3)
+    assert not found.change.cut
+    assert found.verdict == whole.verdict
+    assert found.experiment is whole.experiment
+
+
+@pytest.mark.parametrize('columns', [
+    pytest.param(columns_of(), id='nothing left to explain, but by the parameters as given'),
+    pytest.param(columns_of(('chamber_leak', 5e-8)), id='a leak from the start'),
+])
+def test_a_valve_that_stayed_what_it_was_did_not_change(columns):
+    whole = diagnosis_of(columns, 'none')
+    assert since_change(whole, record_of(columns)) is whole
