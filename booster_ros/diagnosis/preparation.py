@@ -17,6 +17,7 @@ from booster_ros.diagnosis.plausibility import (
     check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales,
     stands_still, without_stuck)
 from booster_ros.diagnosis.roles import Roles, roles
+from booster_ros.diagnosis.sampled_commands import with_sampled_commands
 from booster_ros.diagnosis.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
@@ -113,6 +114,9 @@ def prepare(
         return experiment
     if commands_may_be_late(experiment):
         experiment = with_noise_of_timing(experiment, declared)
+    else:
+        experiment = with_sampled_commands(experiment, declared)
+        _check_enough(experiment.measured, record.source, *experiment.notes[-1:])
     if role.commanded and 'back_pressure' not in columns:
         experiment = with_start_of_converter(experiment, declared)
     return _with_noise_of_drives(experiment, declared)

@@ -184,11 +184,11 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
     values = columns[name]
     if name not in _WITHOUT_PEAKS or 'time' not in columns or len(values) < _FEWEST_ROWS:
         return values, []
-    known = values[np.isfinite(values)]
-    if not known.size:
-        return values, []
     away = _away(values)
-    noise = np.nanmedian(away) if np.isfinite(away).any() else 0.0
+    if not np.isfinite(away).any():
+        return values, []
+    known = values[np.isfinite(values)]
+    noise = float(np.nanmedian(away))
     step = float(np.min(np.diff(np.unique(known)), initial=np.inf))
     noisy = _NOISY * (noise + step)
     far = max(_WILD * float(np.ptp(np.quantile(known, [0.001, 0.999]))), noisy)
@@ -209,7 +209,7 @@ def _runs_on(current: Array | None) -> Array | bool:
         return False
     bend = _away(current)
     bend = np.maximum(bend, np.append(bend[:1], bend[:-1]))  # a valve answers a row later
-    return bend <= _STRAIGHT * np.nanmax(np.ptp(current), initial=0.0)
+    return bend <= _STRAIGHT * np.ptp(current[np.isfinite(current)])
 
 
 def _away(values: Array) -> Array:
