@@ -736,6 +736,12 @@ def test_commands_that_were_read_now_and_then_are_taken_as_what_they_may_have_be
     assert 'were read now and then' in experiment.notes[-1]
 
 
+def test_thinned_rows_of_commands_that_were_read_now_and_then_meet_the_noise_as_well():
+    thin, kept = prepare(record_of(**read_now_and_then(20)), DECLARED).thinned(4)
+    assert len(kept) < 600
+    assert max(misses(thin).values()) < 1.15
+
+
 @pytest.mark.parametrize('every', [1, 50, 100])
 def test_commands_that_were_recorded_when_they_were_given_stand(every):
     columns = read_now_and_then(every)
@@ -748,4 +754,5 @@ def test_commands_that_were_recorded_when_they_were_given_stand(every):
         columns['valve_position'] = run['valve_position'] + 8e-6 * rng.standard_normal(len(held))
     experiment = prepare(record_of(**columns), DECLARED)
     assert np.array_equal(experiment.current, columns['control_current'])
+    assert experiment.ends is None
     assert all(np.isfinite(values).all() for values in experiment.measured.values())

@@ -73,12 +73,13 @@ class Experiment:
     """
     A record made ready: arrays of shape (n,), SI units.
 
-    `current` drives the E/P converter; `pinned` channels drive what is downstream of them instead
-    of the model's own states; `measured` channels are compared, NaN where a row does not count;
-    `noise` is the standard deviation of each measured channel, `drive_noise` that of the pinned
-    ones, where it counts. A `quasi_static` experiment is a sweep without a clock: its time only
-    counts rows; any other's counts from `begins`, s in the record's clock. `notes` say what was
-    left out and assumed; `tolerance` multiplies that of the solver.
+    `current` drives the E/P converter from each row to the next: it stands, or, where there are
+    `ends`, runs straight to where its row ends. `pinned` channels drive what is downstream of them
+    instead of the model's own states; `measured` channels are compared, NaN where a row does not
+    count; `noise` is the standard deviation of each measured channel, `drive_noise` that of the
+    pinned ones, where it counts. A `quasi_static` experiment is a sweep without a clock: its time
+    only counts rows; any other's counts from `begins`, s in the record's clock. `notes` say what
+    was left out and assumed; `tolerance` multiplies that of the solver.
     """
 
     time: Array
@@ -90,6 +91,7 @@ class Experiment:
     drive_noise: Mapping[str, DriveNoise] = field(default_factory=dict)
     quasi_static: bool = False
     begins: float = 0.0
+    ends: Array | None = None
     notes: tuple[str, ...] = ()
     tolerance: float = DEFAULT_TOLERANCE
 
@@ -124,10 +126,28 @@ class Experiment:
             state['chamber_pressure'] = start.chamber_pressure
         if start.valve_position is not None and 'valve_position' not in self.pinned:
             state['valve_position'] = start.valve_position
-        return simulate(
-            parameters, self.time, self.current, state, self.pinned, self.tolerance,
-            departure=start.departure,
-            longest_interval=DEFAULT_LONGEST_INTERVAL if self.pinned else LONGEST_INTERVAL)
+        longest = DEFAULT_LONGEST_INTERVAL if self.pinned else LONGEST_INTERVAL
+        time, current, pinned, at = self._course()
+        run = simulate(
+            parameters, time, current, state, pinned, self.tolerance, departure=start.departure,
+            longest_interval=longest)
+        return Simulation({name: values[at] for name, values in run.columns.items()},
+                          run.final_state)
+
+    def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:
+        """Return time, standing current and measured drives to simulate, and where rows are."""
+        if self.ends is None:
+            return self.time, self.current, self.pinned, slice(None)
+        steps = np.diff(self.time)
+        parts = max(1, int(np.ceil(float(np.median(steps)) / LONGEST_INTERVAL)))
+        share = (np.arange(parts) + 0.5) / parts  # of a part the middle counts
+        way = self.ends - self.current
+        current = (self.current[:-1, None] + np.outer(way[:-1], share)).ravel()
+        time = (self.time[:-1, None] + np.outer(steps, np.arange(parts) / parts)).ravel()
+        time, current = np.append(time, self.time[-1]), np.append(current, self.current[-1])
+        return (time, current, {name: np.interp(time, self.time, values)
+                                for name, values in self.pinned.items()},
+                np.arange(len(self.time)) * parts)
 
     def predict(self, parameters: PositionerParameters, initial: Initial | None = None
                 ) -> dict[str, Array]:
@@ -148,15 +168,18 @@ class Experiment:
         keep = np.zeros(size, dtype=bool)
         keep[self._one_of_every(factor)] = True
         keep[[0, -1]] = True
-        around = [np.add.outer(_jumps(self.current), (0, 1, 2))]
-        # a pressure runs straight from one row to the next: the row before a jump counts too
-        around += [np.add.outer(_jumps(values), (-1, 0, 1, 2))
+        # of what runs straight from one row to the next the row before a jump counts too
+        standing, running = (0, 1, 2), (-1, 0, 1, 2)
+        around = [np.add.outer(_jumps(self.current), standing if self.ends is None else running)]
+        around += [np.add.outer(_jumps(values), running)
                    for name, values in self.pinned.items() if name.endswith('_pressure')]
         for rows in around:
             keep[np.minimum(rows, size - 1)] = True
         kept = np.flatnonzero(keep)
         thin = replace(
-            self, time=self.time[kept], current=self._mean_current(kept),
+            self, time=self.time[kept],
+            current=self._mean_current(kept) if self.ends is None else self.current[kept],
+            ends=None if self.ends is None else self.ends[np.append(kept[1:], size) - 1],
             measured={name: values[kept] for name, values in self.measured.items()},
             pinned={name: _means_around(values, kept) if name.endswith('_pressure') else
                     values[kept] for name, values in self.pinned.items()},

@@ -6,7 +6,7 @@ Commands that were read now and then, as a plant's historian does, not recorded 
 The valve took each somewhere in the row before. The record tells, as it shows what the valve has
 made of a command before it shows the command. Then
 
-1. between two rows half of either command stands: of one that moves on slowly that is what it was;
+1. the command runs straight from row to row: one that moves on slowly did so;
 2. where commands jump the declared model is run several times with each jump at either end of its
    row, and rows count once all runs come to the same, within the noise.
 """
@@ -44,13 +44,14 @@ def with_sampled_commands(experiment: Experiment, declared: PositionerParameters
         return experiment
     current = experiment.current
     following = np.append(current[1:], current[-1:])
-    mean = 0.5 * (current + following)
     jumps = np.abs(following - current) > JUMP * np.ptp(current)
     rng = np.random.default_rng(1)
     runs = []
     for _ in range(DRAWS):
         taken = np.where(rng.random(len(current)) < 0.5, current, following)
-        runs.append(replace(experiment, current=np.where(jumps, taken, mean)).predict(declared))
+        runs.append(replace(
+            experiment, current=np.where(jumps, taken, current),
+            ends=np.where(jumps, taken, following)).predict(declared))
     measured = {
         name: np.where(np.ptp([run[name] for run in runs], axis=0) > experiment.noise[name],
                        np.nan, values)
@@ -58,9 +59,9 @@ def with_sampled_commands(experiment: Experiment, declared: PositionerParameters
     hidden = {name: int(np.isfinite(values).sum() - np.isfinite(measured[name]).sum())
               for name, values in experiment.measured.items()}
     rows = ', '.join(f'{count} of {name}' for name, count in hidden.items())
-    return replace(experiment, current=mean, measured=measured, notes=(
+    return replace(experiment, ends=following, measured=measured, notes=(
         *experiment.notes, 'the valve moves before the rows that have its commands, so these were '
-        'read now and then: between two rows half of either is taken, and after a jump rows are '
+        'read now and then: from row to row it is taken to run straight, and after a jump rows are '
         f'not compared until it no longer matters when it came ({rows}); record commands when they '
         'are given'))
 

@@ -66,6 +66,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     rows = experiment.time <= experiment.time[0] + _FIRST_SECONDS
     first = replace(
         experiment, time=experiment.time[rows], current=experiment.current[rows],
+        ends=None if experiment.ends is None else experiment.ends[rows],
         measured={name: values[rows] for name, values in experiment.measured.items()},
         pinned={name: values[rows] for name, values in experiment.pinned.items()})
     if len(first.time) < _ROWS_FOR_A_START:
