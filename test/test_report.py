@@ -452,6 +452,18 @@ def test_a_locked_part_that_had_a_say_is_not_said_to_be_unseen(decided):
     assert ('no step of this analysis had seen' in page.text) is not decided
 
 
+@pytest.mark.parametrize(('left', 'said'), [(3, True), (200, False)])
+def test_a_locked_part_of_few_values_is_said_to_be_that(left, said):
+    found = friction_found()
+    first = next(one.first for one in found.segments if one.role == 'test')
+    rows = np.arange(len(found.experiment.time)) < first + left
+    measured = {name: np.where(rows, values, np.nan)
+                for name, values in found.experiment.measured.items()}
+    found = replace(found, experiment=replace(found.experiment, measured=measured))
+    words = ', of which there are 3 in a channel at the most'
+    assert any(words in sentence for sentence in verdict_sentences(found)) is said
+
+
 CHANGE = Change(60.07, 1.01, 2500.0, cut=True)
 FALLEN = Moved('supply.pressure', 'Pa', 400e3, 392e3, 1.4)
 DRIFTED = Moved('ep_converter.offset', 'Pa', 0.0, 3.6e3, 2.1)

@@ -11,6 +11,7 @@ import numpy as np
 from booster_ros.diagnosis.result import (
     AS_GOOD_AS_MEASURED, WORTH_SAYING, Change, ChannelError, Diagnosis, FalseAdd, Refused,
     UnknownTerm)
+from booster_ros.diagnosis.segments import rows_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import Scale, number, scale_of, side_by_side
 
@@ -30,6 +31,9 @@ WORSE = 1.05
 CONFIRMED = 0.9
 """Where something is missing, error after, relative to before, up to which what was added has a
 share in that."""
+
+FEW = 25
+"""Values of a channel in the locked part below which their number is said."""
 
 SEVERAL = 4.0
 """Mean square left, in that of the noise, from which one changed parameter alone is not all."""
@@ -376,8 +380,20 @@ def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
 
 
 def _where(diagnosis: Diagnosis) -> str:
-    return f'on data {_unseen(diagnosis)}' if scored(diagnosis.held_out) else (
-        'on the data it was fitted to')
+    if not scored(diagnosis.held_out):
+        return 'on the data it was fitted to'
+    return f'on data {_unseen(diagnosis)}{_how_few(diagnosis)}'
+
+
+def _how_few(diagnosis: Diagnosis) -> str:
+    """Return how little there is in the locked part, where it is; of a sweep each row is much."""
+    experiment = diagnosis.experiment
+    locked = rows_of(list(diagnosis.segments), ('test',), len(experiment.time))
+    values = max(int(np.isfinite(measured[locked]).sum())
+                 for measured in experiment.measured.values())
+    if experiment.quasi_static or values >= FEW:
+        return ''
+    return f', of which there are {values} in a channel at the most'
 
 
 def _unseen(diagnosis: Diagnosis) -> str:
