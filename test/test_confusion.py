@@ -55,7 +55,8 @@ def test_every_effect_named_as_it_is_in_its_place_is_right():
 
 
 def test_cells_are_all_different_and_share_a_valve_over_sizes_and_noises():
-    cells = cells_of(['all', 'pairs'], ['small', 'large'], [1.0, 3.0], 4, 3, 'mixed', 'samples')
+    cells = cells_of(
+        ['all', 'changes', 'pairs'], ['small', 'large'], [1.0, 3.0], 4, 3, 'mixed', 'samples')
     singles, pairs = len(EFFECTS), len(GROUPS['pairs'])
     assert len(cells) == 2 * (2 * (singles + pairs) + 3)
     assert len({cell.label for cell in cells}) == len(set(cells)) == len(cells)

@@ -7,11 +7,12 @@ from dataclasses import asdict, dataclass
 
 from ..campaigns import PAIRS
 from ..cases import Case
-from ..effects import CATALOGUED, EFFECTS, NAMELESS, SIZES, VARIANTS
+from ..effects import CATALOGUED, CHANGES, EFFECTS, NAMELESS, SIZES, VARIANTS
 
 GROUPS: dict[str, tuple[str, ...]] = {
     'catalogued': (*CATALOGUED, *VARIANTS),
     'uncatalogued': tuple(NAMELESS),
+    'changes': tuple(CHANGES),
     'pairs': tuple('+'.join(pair) for pair in PAIRS),
     'none': ('none',),
 }

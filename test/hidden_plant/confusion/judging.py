@@ -5,7 +5,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..effects import EFFECTS, NAMELESS
+from ..effects import EFFECTS
 
 OUTCOMES = {
     'right': ('●', 'the right name (nothing: nothing; a structure without a name: `unknown`, in '
@@ -49,7 +49,7 @@ def judge(hidden: Sequence[str], found: Sequence[Found]) -> Judgement:
         return Judgement('none' if hidden else 'wrong', False)
     placed = _each_has_its_own(hidden, found, _placed)
     if [one.name for one in found] == ['unknown']:
-        expected = placed and all(key in NAMELESS for key in hidden)
+        expected = placed and all(EFFECTS[key].names[0] == 'unknown' for key in hidden)
         return Judgement('right' if expected else 'unknown', placed)
     for outcome, suits in (('right', _named), ('group', _in_group)):
         if _each_has_its_own(hidden, found, suits):
