@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records of valves that changed on the way, by a plant of other equations."""
 
+from dataclasses import replace
+
 from hidden_plant.cases import Case, play
 from hidden_plant.currents import KINDS
 from hidden_plant.sensors import recorded
@@ -9,6 +11,7 @@ from made_diagnosis import diagnosis_of, record_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis import change
 from booster_ros.diagnosis.change import since_change
 
 SECONDS = 60.0
@@ -84,3 +87,22 @@ def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():
 def test_a_valve_that_stayed_what_it_was_did_not_change(columns):
     whole = diagnosis_of(columns, 'none')
     assert since_change(whole, record_of(columns)) is whole
+
+
+def leaving(diagnosis, times):
+    """Return the diagnosis as if it left so many times the noise of what it was fitted to."""
+    return replace(diagnosis, error={
+        name: replace(one, after=times * one.noise) for name, one in diagnosis.error.items()})
+
+
+@pytest.mark.parametrize(('times', 'cut'), [(3.0, False), (2.0, True)])
+def test_a_diagnosis_of_the_rest_has_to_leave_half_and_may_still_leave_something(
+        times, cut, monkeypatch):
+    columns = knocked(3e-4, AT)
+    whole = leaving(diagnosis_of(columns, 'none'), 4.0)  # squares: half of 16 is 8
+    monkeypatch.setattr(change, '_later', lambda *_: leaving(whole, times))
+    found = since_change(whole, record_of(columns))
+    assert found.change.cut is cut
+    assert found.change.time == pytest.approx(AT, abs=0.3)
+    assert found.change.moved == ()  # more than noise is left: no declared parameter is all
+    assert found.verdict == 'none'

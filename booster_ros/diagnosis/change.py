@@ -29,8 +29,9 @@ from booster_ros.diagnosis.fit import Fit, Problem
 from booster_ros.diagnosis.freedom import label
 from booster_ros.diagnosis.preparation import prepare
 from booster_ros.diagnosis.result import (
-    Change, ChannelError, Diagnosis, FoundEffect, Moved)
+    AS_GOOD_AS_MEASURED, Change, ChannelError, Diagnosis, FoundEffect, Moved)
 from booster_ros.diagnosis.search import EVALUATIONS, THINNING, thinned
+from booster_ros.diagnosis.segments import USED
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
@@ -38,7 +39,7 @@ from booster_ros.records import Record, RecordError
 Array = np.ndarray
 
 MUCH = 4.0
-"""Mean square that a diagnosis has to leave, used or locked rows, in that of noise."""
+"""Mean square that a diagnosis has to leave, in that of noise; of the used rows, to be cut."""
 
 BEGINNING = 0.25
 """Share of the record that the declared model has to meet, at the least: a refit to less may
@@ -66,36 +67,37 @@ def since_change(
     """
     Return the diagnosis of the record from where the valve changed, as it is if it did not.
 
-    Where too little of the record is left from there on, the same diagnosis that says when.
+    Where too little of the record is left from there on, the same diagnosis that says when. Whether
+    to cut is not asked of the locked part.
     """
-    if diagnosis.experiment.quasi_static or not _most_left(diagnosis) > MUCH:
+    left, held_out = _left(diagnosis.error), _left(diagnosis.held_out)
+    if diagnosis.experiment.quasi_static or not max(left, held_out) > MUCH:
         return diagnosis
     tell = progress or (lambda phrase, share: None)
     tell('looking for a change of the valve', 0.99)
     found = _change(diagnosis)
     if found is None:
         return diagnosis
-    change, fit = found
-    later = _later(record, change, diagnosis.declared, tell)
-    if later is None or _most_left(later) > WORTH_CUTTING * _most_left(diagnosis):
+    change, before = found
+    later = _later(record, change, diagnosis.declared, tell) if left > MUCH else None
+    if later is None or _left(later.error) > WORTH_CUTTING * left:
         return replace(diagnosis, change=change)
-    if later.verdict != 'none':
-        return replace(later, change=replace(change, cut=True))
-    moved = _moved(later, fit)
-    effects = (FoundEffect('unknown', _place(moved[0].name), {}, tuple(
-        one.name for one in moved[1:]), '', {}),) if moved else ()
-    return replace(later, change=replace(change, cut=True, moved=moved), effects=effects,
-                   verdict='unknown' if moved else 'none')
+    later = replace(later, change=replace(change, cut=True))
+    enough = later.verdict == 'none' and _left(later.error) <= AS_GOOD_AS_MEASURED**2
+    moved = _moved(later, before) if enough else ()
+    if not moved:
+        return later
+    likeliest, *others = moved
+    return replace(
+        later, verdict='unknown', change=replace(change, cut=True, moved=moved),
+        effects=(FoundEffect('unknown', _place(likeliest.name), {},
+                             tuple(one.name for one in others), '', {}),))
 
 
 def _left(errors: Mapping[str, ChannelError]) -> float:
     """Return the mean square that the last model leaves, in that of the noise."""
     squares = [(one.after / one.noise)**2 for one in errors.values() if np.isfinite(one.after)]
     return float(np.mean(squares)) if squares else 0.0
-
-
-def _most_left(diagnosis: Diagnosis) -> float:
-    return max(_left(diagnosis.error), _left(diagnosis.held_out))
 
 
 def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
@@ -122,8 +124,10 @@ def _first_missed(squares: Array, begin: int) -> int | None:
     (1954) 100).
     """
     known = begin + np.flatnonzero(np.isfinite(squares[begin:]))
+    if len(known) < WINDOW:
+        return None
     missed = np.convolve(squares[known], np.full(WINDOW, 1.0 / WINDOW), 'valid') > MUCH
-    if len(known) < WINDOW or not missed.any():
+    if not missed.any():
         return None
     until = int(np.argmax(missed)) + WINDOW
     walk = np.cumsum(np.append(0.0, squares[known[:until]] - MUCH))
@@ -144,19 +148,29 @@ def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     """Return to which row the declared model meets the beginning to the noise, and its fit."""
     time = diagnosis.experiment.time
     least = time[0] + BEGINNING * (time[-1] - time[0])
-    ends = [segment.last for segment in diagnosis.segments if time[segment.last - 1] >= least]
-    fit = _met(diagnosis, ends[0])
+    ends = {used: [segment.last for segment in diagnosis.segments if time[segment.last - 1] >= least
+                   and (segment.role in USED) is used] for used in (True, False)}
+    first, *further = ends[True] or ends[False]
+    fit = _met(diagnosis, first)
     if fit is None:
         return None
-    met, missed = 0, len(ends)
-    while missed - met > 1:
-        middle = (met + missed) // 2
-        longer = _met(diagnosis, ends[middle], fit)
+    met = _lengthened(diagnosis, (first, fit), further)
+    if ends[True] and met[0] == ends[True][-1]:  # only then the change is in the locked part
+        met = _lengthened(diagnosis, met, ends[False])
+    return met
+
+
+def _lengthened(diagnosis: Diagnosis, met: tuple[int, Fit], ends: list[int]) -> tuple[int, Fit]:
+    """Return the last of these rows, which rise, up to which the refit still meets the noise."""
+    low, high = 0, len(ends)
+    while low < high:
+        middle = (low + high) // 2
+        longer = _met(diagnosis, ends[middle], met[1])
         if longer is None:
-            missed = middle
+            high = middle
         else:
-            met, fit = middle, longer
-    return ends[met], fit
+            low, met = middle + 1, (ends[middle], longer)
+    return met
 
 
 def _met(diagnosis: Diagnosis, end: int, begin: Fit | None = None) -> Fit | None:
