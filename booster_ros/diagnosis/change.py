@@ -16,7 +16,7 @@ between them, and is left by much. So where a diagnosis leaves much:
 An effect that the record excites for the first time looks the same, and is found the same way.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -82,16 +82,14 @@ def since_change(
     later = _later(record, change, diagnosis.declared, tell) if left > MUCH else None
     if later is None or _left(later.error) > WORTH_CUTTING * left:
         return replace(diagnosis, change=change)
-    later = replace(later, change=replace(change, cut=True))
     enough = later.verdict == 'none' and _left(later.error) <= AS_GOOD_AS_MEASURED**2
     moved = _moved(later, before) if enough else ()
+    later = replace(later, change=replace(change, cut=True, moved=moved))
     if not moved:
         return later
     likeliest, *others = moved
-    return replace(
-        later, verdict='unknown', change=replace(change, cut=True, moved=moved),
-        effects=(FoundEffect('unknown', _place(likeliest.name), {},
-                             tuple(one.name for one in others), '', {}),))
+    return replace(later, verdict='unknown', effects=(FoundEffect(
+        'unknown', _place(likeliest.name), {}, tuple(one.name for one in others), '', {}),))
 
 
 def _left(errors: Mapping[str, ChannelError]) -> float:
@@ -146,41 +144,42 @@ def _squares(experiment: Experiment, fit: Fit) -> Array:
 
 def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     """Return to which row the declared model meets the beginning to the noise, and its fit."""
-    time = diagnosis.experiment.time
+    experiment, declared = diagnosis.experiment, diagnosis.declared
+    time = experiment.time
     least = time[0] + BEGINNING * (time[-1] - time[0])
     ends = {used: [segment.last for segment in diagnosis.segments if time[segment.last - 1] >= least
                    and (segment.role in USED) is used] for used in (True, False)}
+    thin, kept = thinned(experiment, THINNING)
+    whole = Problem(thin, np.ones(len(kept), dtype=bool), declared,
+                    free_to_refit(declared, experiment))
+
+    def met_up_to(end: int, begin: Fit | None = None) -> Fit | None:
+        problem = replace(whole, rows=kept < end)
+        fit = problem.fit(None if begin is None else begin.z, evaluations=EVALUATIONS)
+        return fit if fit.cost < NEAR_NOISE * problem.rows_counted() else None
+
     first, *further = ends[True] or ends[False]
-    fit = _met(diagnosis, first)
+    fit = met_up_to(first)
     if fit is None:
         return None
-    met = _lengthened(diagnosis, (first, fit), further)
+    met = _lengthened(met_up_to, (first, fit), further)
     if ends[True] and met[0] == ends[True][-1]:  # only then the change is in the locked part
-        met = _lengthened(diagnosis, met, ends[False])
+        met = _lengthened(met_up_to, met, ends[False])
     return met
 
 
-def _lengthened(diagnosis: Diagnosis, met: tuple[int, Fit], ends: list[int]) -> tuple[int, Fit]:
+def _lengthened(met_up_to: Callable[[int, Fit], Fit | None], met: tuple[int, Fit], ends: list[int]
+                ) -> tuple[int, Fit]:
     """Return the last of these rows, which rise, up to which the refit still meets the noise."""
     low, high = 0, len(ends)
     while low < high:
         middle = (low + high) // 2
-        longer = _met(diagnosis, ends[middle], met[1])
+        longer = met_up_to(ends[middle], met[1])
         if longer is None:
             high = middle
         else:
             low, met = middle + 1, (ends[middle], longer)
     return met
-
-
-def _met(diagnosis: Diagnosis, end: int, begin: Fit | None = None) -> Fit | None:
-    """Return the declared model fitted up to a row, None if that leaves more than noise."""
-    experiment = diagnosis.experiment
-    thin, kept = thinned(experiment, THINNING)
-    problem = Problem(thin, kept < end, diagnosis.declared,
-                      free_to_refit(diagnosis.declared, experiment))
-    fit = problem.fit(None if begin is None else begin.z, evaluations=EVALUATIONS)
-    return fit if fit.cost < NEAR_NOISE * problem.rows_counted() else None
 
 
 def _later(record: Record, change: Change, declared: PositionerParameters, tell: Progress

@@ -21,7 +21,7 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 AHEAD = 0.2
-"""Share of what a command does in the row after it of which the valve has done this much before."""
+"""What the valve has done before the row of a command, as a share of what that does after it."""
 
 JUMP = 0.05
 """A jump of the command, relative to its range."""
@@ -31,7 +31,6 @@ AT_REST, FEWEST = AHEAD, 5
 So many jumps tell, before which the model had moved by no more than so much of what it does next: a
 valve that was at rest while the model was still on its way looks ahead by as much.
 """
-
 
 DRAWS = 8
 """Runs in which each jump comes at either end of its row, drawn anew: what two of them leave may

@@ -215,9 +215,8 @@ def _reference(z: Array, r: Array, jacobian: Array, room: tuple[Array, Array]) -
 
 def _beside(reference: Reference, problem: Problem, joint: Problem) -> Reference:
     """Return the reference with the priors that the declared parameters have beside the effect."""
-    known = [(before.sigma, after.sigma) for before, after in zip(
-        problem.freedoms, joint.freedoms) if np.isfinite(before.sigma)]
-    ratios = np.array([before / after for before, after in known])
+    ratios = np.array([before.sigma / after.sigma for before, after in zip(
+        problem.freedoms, joint.freedoms) if np.isfinite(before.sigma)])
     if np.all(ratios == 1.0):
         return reference
     weights = np.ones(len(reference.residuals))

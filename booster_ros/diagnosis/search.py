@@ -182,7 +182,7 @@ class Search:
 
 
 def thinned(experiment: Experiment, factor: int) -> tuple[Experiment, Array]:
-    """Return every `factor`-th row of an experiment of so many, and which rows those are."""
+    """Return fewer rows of an experiment, ENOUGH_ROWS at the least, and which rows those are."""
     size = len(experiment.time)
     factor = min(factor, size // ENOUGH_ROWS)
     return experiment.thinned(factor) if factor > 1 else (experiment, np.arange(size))

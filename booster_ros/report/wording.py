@@ -103,7 +103,7 @@ def with_what_was_added(diagnosis: Diagnosis) -> str:
     return 'with the unnamed term' if diagnosis.verdict == 'unknown' else 'with the effect'
 
 
-def when(change: Change) -> str:
+def _when(change: Change) -> str:
     """Return the words for when the valve changed."""
     return f'{change.time:.5g} s'
 
@@ -111,13 +111,13 @@ def when(change: Change) -> str:
 def verdict_title(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
     if diagnosis.change is not None and diagnosis.verdict == 'none':
-        return f'Something changed at {when(diagnosis.change)}'
+        return f'Something changed at {_when(diagnosis.change)}'
     if diagnosis.verdict == 'none':
         if _reaches_noise(judged(diagnosis)) and _reaches_noise(scored(diagnosis.validation)):
             return 'The declared model, refitted, is enough for this record'
         return 'Nothing to add'
     if diagnosis.change is not None and diagnosis.change.moved:
-        return f'The valve changed at {when(diagnosis.change)}'
+        return f'The valve changed at {_when(diagnosis.change)}'
     if diagnosis.verdict == 'unknown':
         if diagnosis.refused is not None:
             return 'The model lacks something that no named effect explains'
@@ -146,11 +146,11 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
 
 
 def _sentences_on_change(diagnosis: Diagnosis, change: Change) -> list[str]:
-    said = [f'Up to {when(change)} the declared model, refitted to that part, meets the record to '
+    said = [f'Up to {_when(change)} the declared model, refitted to that part, meets the record to '
             f'the noise; from there on it misses by {number(np.sqrt(change.missed), 2)} times the '
             'noise. Something in the valve changed then, or shows for the first time.']
     if change.cut:
-        return [*said, f'All that follows is of the record from {when(change)} on.']
+        return [*said, f'All that follows is of the record from {_when(change)} on.']
     return [*said, 'What came after is too little to be told apart, or tells no more: what follows '
             'is of the whole record.']
 
