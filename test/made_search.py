@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.freedom import declared_freedom
-from booster_ros.diagnosis.search import Search
-from booster_ros.diagnosis.segments import split
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
+from booster_ros.diagnosis.experiment.segments import split
+from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure, PositionerParameters
 

@@ -8,13 +8,13 @@ from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.applicable import applicable, free_to_refit, matters
 from booster_ros.diagnosis.diagnose import less_the_locked_part
-from booster_ros.diagnosis.fit import Problem
-from booster_ros.diagnosis.freedom import declared_freedom, put
-from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.screening import with_effect
-from booster_ros.diagnosis.segments import rows_of, split
+from booster_ros.diagnosis.experiment.segments import rows_of, split
+from booster_ros.diagnosis.fitting.applicable import applicable, free_to_refit, matters
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
+from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.searching.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.gas import ISENTROPIC
 

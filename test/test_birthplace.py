@@ -7,9 +7,9 @@ from dataclasses import replace
 from made_search import CURRENT, P, searching, seen
 import pytest
 
-from booster_ros.diagnosis.birthplace import called_for_above, where_born
-from booster_ros.diagnosis.freedom import put
-from booster_ros.diagnosis.search import PLACES
+from booster_ros.diagnosis.fitting.freedom import put
+from booster_ros.diagnosis.searching.birthplace import called_for_above, where_born
+from booster_ros.diagnosis.searching.search import PLACES
 from booster_ros.model.catalogue import EFFECTS
 
 BENT_SPRING = put(P, 'actuator.spring_bend', 1500.0)

@@ -17,10 +17,10 @@ import pytest
 from scipy.signal import lfilter
 
 from booster_ros.diagnosis.calibration import calibrated, repeats
-from booster_ros.diagnosis.experiment import DriveNoise
-from booster_ros.diagnosis.noise_colour import (
+from booster_ros.diagnosis.experiment.experiment import DriveNoise
+from booster_ros.diagnosis.experiment.noise_colour import (
     FEWEST_PIECES, MOST_ROWS, Noise, noise_of, rests_of)
-from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.parameters.file import write_parameter_file

@@ -11,23 +11,25 @@ from made_search import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis import diagnose, selection
-from booster_ros.diagnosis.candidate import NEAR_NOISE, gain, preferred_first, told_apart
-from booster_ros.diagnosis.cascade import above_the_stem, as_seen_above, shows_above_the_stem
-from booster_ros.diagnosis.fit import START, Problem
-from booster_ros.diagnosis.freedom import declared_freedom, put
-from booster_ros.diagnosis.intervals import interval_of
+from booster_ros.diagnosis import diagnose
+from booster_ros.diagnosis.experiment.segments import USED
+from booster_ros.diagnosis.fitting.fit import START, Problem
+from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
+from booster_ros.diagnosis.fitting.intervals import interval_of
 from booster_ros.diagnosis.last_fit import _without, last_fit, verdict_of
-from booster_ros.diagnosis.nameless import best_terms, compete, preferable
-from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.rematch import _by_slips, _plainest_above, rematch
+from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.result import UnknownTerm
-from booster_ros.diagnosis.screening import (
+from booster_ros.diagnosis.searching import selection
+from booster_ros.diagnosis.searching.candidate import NEAR_NOISE, gain, preferred_first, told_apart
+from booster_ros.diagnosis.searching.cascade import (
+    above_the_stem, as_seen_above, shows_above_the_stem)
+from booster_ros.diagnosis.searching.nameless import best_terms, compete, preferable
+from booster_ros.diagnosis.searching.rematch import _by_slips, _plainest_above, rematch
+from booster_ros.diagnosis.searching.screening import (
     references, screen, strong_frequencies, with_effect)
-from booster_ros.diagnosis.segments import USED
-from booster_ros.diagnosis.selection import Tried, _backward, compared, named
-from booster_ros.diagnosis.teaching import taught
-from booster_ros.diagnosis.unknown import UNNAMED, terms, with_term
+from booster_ros.diagnosis.searching.selection import Tried, _backward, compared, named
+from booster_ros.diagnosis.searching.teaching import taught
+from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import (

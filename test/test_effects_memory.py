@@ -6,9 +6,9 @@ import numpy as np
 from positioner_runs import current_for, follow_pressure, positioner, rows, settled_at
 import pytest
 
-from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import Problem
-from booster_ros.diagnosis.unknown import followed
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.searching.unknown import followed
 from booster_ros.model.simulation import Plant, simulate
 from booster_ros.model.system import Departure
 

@@ -16,18 +16,18 @@ from hidden_plant.effects import EFFECTS
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.applicable import free_to_refit
-from booster_ros.diagnosis.candidate import NEAR_NOISE
-from booster_ros.diagnosis.cascade import search_above
+from booster_ros.diagnosis.experiment.segments import split
+from booster_ros.diagnosis.fitting.applicable import free_to_refit
 from booster_ros.diagnosis.last_fit import last_fit
-from booster_ros.diagnosis.nameless import best_terms
-from booster_ros.diagnosis.next_effect import extend, shows_in_means
-from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.screening import references, screen
-from booster_ros.diagnosis.search import Search, carried
-from booster_ros.diagnosis.segments import split
-from booster_ros.diagnosis.selection import Tried, named
-from booster_ros.diagnosis.teaching import taught
+from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
+from booster_ros.diagnosis.searching.cascade import search_above
+from booster_ros.diagnosis.searching.nameless import best_terms
+from booster_ros.diagnosis.searching.next_effect import extend, shows_in_means
+from booster_ros.diagnosis.searching.screening import references, screen
+from booster_ros.diagnosis.searching.search import Search, carried
+from booster_ros.diagnosis.searching.selection import Tried, named
+from booster_ros.diagnosis.searching.teaching import taught
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
 from booster_ros.programs.close_loop import main

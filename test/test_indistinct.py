@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.applicable import applicable
-from booster_ros.diagnosis.candidate import UNLIKELY
-from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.freedom import declared_freedom, put
-from booster_ros.diagnosis.indistinct import alike
-from booster_ros.diagnosis.next_effect import CLOSE, _Begun, _bring_to_equal_terms
-from booster_ros.diagnosis.rematch import NEAR, _from_the_end_of, rematch
-from booster_ros.diagnosis.screening import references, screen
-from booster_ros.diagnosis.search import Search
-from booster_ros.diagnosis.segments import split
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
+from booster_ros.diagnosis.experiment.segments import split
+from booster_ros.diagnosis.fitting.applicable import applicable
+from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
+from booster_ros.diagnosis.searching.candidate import UNLIKELY
+from booster_ros.diagnosis.searching.indistinct import alike
+from booster_ros.diagnosis.searching.next_effect import CLOSE, _Begun, _bring_to_equal_terms
+from booster_ros.diagnosis.searching.rematch import NEAR, _from_the_end_of, rematch
+from booster_ros.diagnosis.searching.screening import references, screen
+from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.diagnose import diagnose
-from booster_ros.diagnosis.experiment import rmse
+from booster_ros.diagnosis.experiment.experiment import rmse
 from booster_ros.measured import page, remarks, supplies
 from booster_ros.measured.records import (
     CHAMBERS,

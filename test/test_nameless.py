@@ -8,20 +8,21 @@ from made_diagnosis import DECLARED, record_of, timed_columns, unknown_found
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.applicable import free_to_refit
-from booster_ros.diagnosis.candidate import Candidate, clearly_better, explains, why_dropped
 from booster_ros.diagnosis.diagnose import _best_without
-from booster_ros.diagnosis.experiment import rmse
-from booster_ros.diagnosis.fit import Fit, Problem
-from booster_ros.diagnosis.freedom import declared_freedom
+from booster_ros.diagnosis.experiment.experiment import rmse
+from booster_ros.diagnosis.experiment.segments import USED, rows_of, split
+from booster_ros.diagnosis.fitting.applicable import free_to_refit
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.fitting.freedom import declared_freedom
 from booster_ros.diagnosis.last_fit import _without
-from booster_ros.diagnosis.nameless import (
+from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.searching.candidate import (
+    Candidate, clearly_better, explains, why_dropped)
+from booster_ros.diagnosis.searching.nameless import (
     as_good, beyond_names, compete, over_time, preferable, term_alone)
-from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.search import Search
-from booster_ros.diagnosis.segments import USED, rows_of, split
-from booster_ros.diagnosis.selection import Tried
-from booster_ros.diagnosis.unknown import UNNAMED, terms, with_gentle_ends, with_term
+from booster_ros.diagnosis.searching.search import Search
+from booster_ros.diagnosis.searching.selection import Tried
+from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_gentle_ends, with_term
 from booster_ros.model import discrepancy as term
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance

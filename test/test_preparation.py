@@ -5,10 +5,10 @@
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment import DriveNoise
-from booster_ros.diagnosis.noise_colour import Noise
-from booster_ros.diagnosis.gaps import SETTLING
-from booster_ros.diagnosis.preparation import DWELL_COMMANDED, prepare
+from booster_ros.diagnosis.experiment.experiment import DriveNoise
+from booster_ros.diagnosis.experiment.noise_colour import Noise
+from booster_ros.diagnosis.preparing.gaps import SETTLING
+from booster_ros.diagnosis.preparing.preparation import DWELL_COMMANDED, prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError, read_record

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment import Experiment, Initial
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.repeatability import chance, differences
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate

@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.applicable import free_to_refit
-from booster_ros.diagnosis.fit import Problem
-from booster_ros.diagnosis.intervals import block_bootstrap, block_bootstrap_of_means
-from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.search import EVALUATIONS, Search
-from booster_ros.diagnosis.segments import segment_of_row, split
+from booster_ros.diagnosis.experiment.segments import segment_of_row, split
+from booster_ros.diagnosis.fitting.applicable import free_to_refit
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.intervals import block_bootstrap, block_bootstrap_of_means
+from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.searching.search import EVALUATIONS, Search
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file
 from booster_ros.programs.close_loop import main

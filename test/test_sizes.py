@@ -10,18 +10,19 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.diagnose import diagnose, known_together
-from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import START, Fit, Problem
-from booster_ros.diagnosis.freedom import (
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
+from booster_ros.diagnosis.fitting.fit import START, Fit, Problem
+from booster_ros.diagnosis.fitting.freedom import (
     BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, put)
-from booster_ros.diagnosis.intervals import block_bootstrap, interval_of, own_sizes, undetermined
+from booster_ros.diagnosis.fitting.intervals import (
+    block_bootstrap, interval_of, own_sizes, undetermined)
 from booster_ros.diagnosis.last_fit import LastFit
-from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.rematch import rematch
+from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.result import FoundEffect
-from booster_ros.diagnosis.screening import with_effect
-from booster_ros.diagnosis.search import polished
-from booster_ros.diagnosis.candidate import Candidate, clearly_better
+from booster_ros.diagnosis.searching.candidate import Candidate, clearly_better
+from booster_ros.diagnosis.searching.rematch import rematch
+from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.diagnosis.searching.search import polished
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import Departure, PositionerParameters

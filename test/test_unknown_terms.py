@@ -9,15 +9,15 @@ from made_search import P, TIME, searching, seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis import nameless
-from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import Problem
-from booster_ros.diagnosis.freedom import declared_freedom
-from booster_ros.diagnosis.preparation import prepare
-from booster_ros.diagnosis.segments import USED
-from booster_ros.diagnosis.selection import Tried
-from booster_ros.diagnosis.teaching import taught
-from booster_ros.diagnosis.unknown import UNNAMED, followed, terms, with_term
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.experiment.segments import USED
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.searching import nameless
+from booster_ros.diagnosis.searching.selection import Tried
+from booster_ros.diagnosis.searching.teaching import taught
+from booster_ros.diagnosis.searching.unknown import UNNAMED, followed, terms, with_term
 from booster_ros.model.discrepancy import (
     BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, STEM, VARIABLES, Discrepancy,
     covered, forgets, remembers)

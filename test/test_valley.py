@@ -9,12 +9,12 @@ from made_search import P, TIME, seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fit import Problem
-from booster_ros.diagnosis.freedom import declared_freedom
-from booster_ros.diagnosis.intervals import block_bootstrap, undetermined
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.fitting.intervals import block_bootstrap, undetermined
+from booster_ros.diagnosis.fitting.valley import at_the_bottom, slopes_along_axes
 from booster_ros.diagnosis.result import FoundEffect, Interval, either
-from booster_ros.diagnosis.screening import with_effect
-from booster_ros.diagnosis.valley import at_the_bottom, slopes_along_axes
+from booster_ros.diagnosis.searching.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance

@@ -15,12 +15,12 @@ import numpy as np
 from scipy.stats import binomtest
 
 from booster_ros.diagnosis.diagnose import Progress, diagnose
-from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.late_commands import (
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.experiment.noise_colour import noise_of, rests_of
+from booster_ros.diagnosis.preparing.late_commands import (
     AS_OFTEN, commands_may_be_late, with_late_commands)
-from booster_ros.diagnosis.noise_colour import noise_of, rests_of
+from booster_ros.diagnosis.preparing.start_state import first_value
 from booster_ros.diagnosis.result import Diagnosis, FalseAdd
-from booster_ros.diagnosis.start_state import first_value
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray

@@ -21,17 +21,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.applicable import free_to_refit
-from booster_ros.diagnosis.candidate import NEAR_NOISE
 from booster_ros.diagnosis.diagnose import Progress, diagnose
-from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import Fit, Problem
-from booster_ros.diagnosis.freedom import label
-from booster_ros.diagnosis.preparation import prepare
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.experiment.segments import USED
+from booster_ros.diagnosis.fitting.applicable import free_to_refit
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.fitting.freedom import label
+from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.result import (
     AS_GOOD_AS_MEASURED, Change, ChannelError, Diagnosis, FoundEffect, Moved)
-from booster_ros.diagnosis.search import EVALUATIONS, THINNING, thinned
-from booster_ros.diagnosis.segments import USED
+from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
+from booster_ros.diagnosis.searching.search import EVALUATIONS, THINNING, thinned
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError

@@ -9,23 +9,23 @@ locked test part is opened once, and everything is put into words and numbers.
 
 import numpy as np
 
-from booster_ros.diagnosis.applicable import applicable, free_to_refit
-from booster_ros.diagnosis.birthplace import where_born
-from booster_ros.diagnosis.candidate import Candidate, best_of_each, gain, told_apart
-from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.fit import Fit
-from booster_ros.diagnosis.freedom import Free, get, label
-from booster_ros.diagnosis.intervals import interval_of, shapes_of, traded
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.experiment.segments import USED, Segment, rows_of, split, split_sweep
+from booster_ros.diagnosis.fitting.applicable import applicable, free_to_refit
+from booster_ros.diagnosis.fitting.fit import Fit
+from booster_ros.diagnosis.fitting.freedom import Free, get, label
+from booster_ros.diagnosis.fitting.intervals import interval_of, shapes_of, traded
 from booster_ros.diagnosis.last_fit import LastFit, last_fit
 from booster_ros.diagnosis.locked_part import DOES_NOT_STAND, less_the_locked_part, opened
-from booster_ros.diagnosis.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
     Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either, errors_of)
-from booster_ros.diagnosis.search import Search
-from booster_ros.diagnosis.segments import USED, Segment, rows_of, split, split_sweep
-from booster_ros.diagnosis.selection import Progress, Tried, compared, named
-from booster_ros.diagnosis.unknown import UNNAMED, label_of, place_of
+from booster_ros.diagnosis.searching.birthplace import where_born
+from booster_ros.diagnosis.searching.candidate import Candidate, best_of_each, gain, told_apart
+from booster_ros.diagnosis.searching.nameless import best_terms, beyond_names, compete, preferable
+from booster_ros.diagnosis.searching.search import Search
+from booster_ros.diagnosis.searching.selection import Progress, Tried, compared, named
+from booster_ros.diagnosis.searching.unknown import UNNAMED, label_of, place_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import NONE
 from booster_ros.model.parameters import DESCRIPTIONS

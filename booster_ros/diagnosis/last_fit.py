@@ -11,22 +11,22 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.candidate import (
-    NEAR_NOISE, Candidate, best_of_each, clearly_better, explains)
-from booster_ros.diagnosis.cascade import as_seen_above
-from booster_ros.diagnosis.descent import SETTLED
-from booster_ros.diagnosis.fit import Fit, Problem
-from booster_ros.diagnosis.friction_start import each_damping
-from booster_ros.diagnosis.friction_trials import Trials, friction_trials
-from booster_ros.diagnosis.intervals import (
+from booster_ros.diagnosis.experiment.segments import USED, segment_of_row
+from booster_ros.diagnosis.fitting.descent import SETTLED
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.fitting.friction_start import each_damping
+from booster_ros.diagnosis.fitting.friction_trials import Trials, friction_trials
+from booster_ros.diagnosis.fitting.intervals import (
     block_bootstrap, block_bootstrap_of_means, undetermined, within)
-from booster_ros.diagnosis.nameless import over_time, preferable, term_alone
-from booster_ros.diagnosis.search import (
+from booster_ros.diagnosis.fitting.valley import at_the_bottom
+from booster_ros.diagnosis.searching.candidate import (
+    NEAR_NOISE, Candidate, best_of_each, clearly_better, explains)
+from booster_ros.diagnosis.searching.cascade import as_seen_above
+from booster_ros.diagnosis.searching.nameless import over_time, preferable, term_alone
+from booster_ros.diagnosis.searching.search import (
     EVALUATIONS, LAST_EVALUATIONS, Search, as_given, declared_as_given, settled)
-from booster_ros.diagnosis.segments import USED, segment_of_row
-from booster_ros.diagnosis.selection import Tried
-from booster_ros.diagnosis.unknown import UNNAMED, with_gentle_ends
-from booster_ros.diagnosis.valley import at_the_bottom
+from booster_ros.diagnosis.searching.selection import Tried
+from booster_ros.diagnosis.searching.unknown import UNNAMED, with_gentle_ends
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray

@@ -15,15 +15,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.candidate import Candidate
-from booster_ros.diagnosis.experiment import Experiment
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.experiment.segments import USED, Segment, rows_of
 from booster_ros.diagnosis.last_fit import LastFit, verdict_of
-from booster_ros.diagnosis.nameless import FAITHFUL, FORESEEN, leave_less
 from booster_ros.diagnosis.result import ChannelError, Refused, UnknownTerm, errors_of
-from booster_ros.diagnosis.search import Search
-from booster_ros.diagnosis.segments import USED, Segment, rows_of
-from booster_ros.diagnosis.selection import Tried
-from booster_ros.diagnosis.unknown import beyond, place_of
+from booster_ros.diagnosis.searching.candidate import Candidate
+from booster_ros.diagnosis.searching.nameless import FAITHFUL, FORESEEN, leave_less
+from booster_ros.diagnosis.searching.search import Search
+from booster_ros.diagnosis.searching.selection import Tried
+from booster_ros.diagnosis.searching.unknown import beyond, place_of
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray

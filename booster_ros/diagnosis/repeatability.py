@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import DriveNoise, Experiment, Initial
+from booster_ros.diagnosis.experiment.experiment import DriveNoise, Experiment, Initial
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.system import PositionerParameters
 

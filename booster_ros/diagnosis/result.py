@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import UNITS, Experiment, Initial, rmse
-from booster_ros.diagnosis.segments import Segment
+from booster_ros.diagnosis.experiment.experiment import UNITS, Experiment, Initial, rmse
+from booster_ros.diagnosis.experiment.segments import Segment
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment, Initial
-from booster_ros.diagnosis.fit import Problem
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
+from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, errors_of
-from booster_ros.diagnosis.unknown import beyond
+from booster_ros.diagnosis.searching.unknown import beyond
 from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
 

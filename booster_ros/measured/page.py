@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..diagnosis.experiment import rmse
+from ..diagnosis.experiment.experiment import rmse
 from ..diagnosis.result import Diagnosis, FoundEffect, Interval, Suspect
 from ..model.catalogue import EFFECTS
 from ..paper.comparison import LABELS

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..diagnosis.diagnose import diagnose
-from ..diagnosis.experiment import Experiment
-from ..diagnosis.preparation import prepare
+from ..diagnosis.experiment.experiment import Experiment
+from ..diagnosis.preparing.preparation import prepare
 from ..diagnosis.result import Diagnosis
 from ..model.parameters import from_values
 from ..model.system import PositionerParameters

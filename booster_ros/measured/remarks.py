@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from ..diagnosis.experiment import rmse
+from ..diagnosis.experiment.experiment import rmse
 from ..diagnosis.result import AS_GOOD_AS_MEASURED, Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
 from ..paper.table_three import Suspect as IndexSuspect

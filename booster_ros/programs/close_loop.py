@@ -17,8 +17,8 @@ from typing import Any
 from ..diagnosis.calibration import calibrated
 from ..diagnosis.change import since_change
 from ..diagnosis.diagnose import diagnose
-from ..diagnosis.experiment import Experiment
-from ..diagnosis.preparation import DWELL_COMMANDED, DWELL_PINNED, prepare
+from ..diagnosis.experiment.experiment import Experiment
+from ..diagnosis.preparing.preparation import DWELL_COMMANDED, DWELL_PINNED, prepare
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.validation import validated
 from ..model.parameters import ParameterError, from_values

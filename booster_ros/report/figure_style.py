@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
 
-from booster_ros.diagnosis.segments import Segment
+from booster_ros.diagnosis.experiment.segments import Segment
 from booster_ros.records.time_axis import gap_rows
 
 Array = np.ndarray

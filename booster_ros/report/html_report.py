@@ -10,8 +10,8 @@ from string import Template
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.late_commands import commands_may_be_late
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.preparing.late_commands import commands_may_be_late
 from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
 from booster_ros.report import figures
 from booster_ros.report.engineering import number, scale_of, si_text

@@ -8,8 +8,9 @@ import json
 import math
 from typing import Any
 
-from booster_ros.diagnosis.experiment import Experiment
-from booster_ros.diagnosis.result import ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.result import (
+    ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm)
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.wording import (
     SCALING, unknown_experiment, verdict_sentences, verdict_title)

@@ -8,10 +8,10 @@ import re
 
 import numpy as np
 
+from booster_ros.diagnosis.experiment.segments import rows_of
 from booster_ros.diagnosis.result import (
     AS_GOOD_AS_MEASURED, WORTH_SAYING, Change, ChannelError, Diagnosis, FalseAdd, Refused,
     UnknownTerm)
-from booster_ros.diagnosis.segments import rows_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import Scale, number, scale_of, side_by_side
 

@@ -1,0 +1,193 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The colour of the measurement noise: how much of it carries over from one row to the next.
+
+It is taken where every drive has stood still for long enough, in pieces of about a second with a
+cubic removed from each, never from residuals of a fit: what moves slower than a piece is the
+valve, what is faster is noise. The noise is a first-order autoregression whose coefficient is the
+one that would give, after the same cubics, the lag-one share that was seen. Without rests, where
+that share is small or no more than chance, where the further lags do not fade as it says (a
+ripple), what is new in each row is heavy-tailed (a valve that hunts goes in slips) or most pieces
+hold more than the quietest by far (it hunts in them), noise is white and of the level that
+high-frequency differences give.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import toeplitz
+from scipy.ndimage import uniform_filter1d
+from scipy.optimize import brentq
+from scipy.signal import lfilter
+from scipy.stats import kurtosis
+
+from booster_ros.diagnosis.experiment.noise import (
+    noise_level, off_its_ends, resolution, white_noise)
+
+Array = np.ndarray
+
+SETTLING = 3.0
+"""A drive has stood still for so long, s, before a rest begins: a chamber fills in seconds."""
+
+PIECE = 1.0
+FEWEST_ROWS, MOST_ROWS = 32, 500
+"""Length of a piece of a rest, s, and its rows at the least and at the most: what is reckoned with
+the covariance of a piece takes their cube."""
+
+FEWEST_PIECES = 12
+"""With fewer pieces noise is taken as white."""
+
+STILL = 6.0
+STILL_SHARE = 1e-3
+"""Range of a drive at rest: in standard deviations of what is white of its noise, of means over a
+piece (of coloured noise these vary as much), and at least this share of its range over the record.
+"""
+
+DISTURBED = 2.0
+"""Variance of a piece, relative to the median piece, above which the valve has moved in it."""
+
+USUAL, ROUNDS = 0.995, 4
+"""Or above this quantile of pieces of noise of the colour found, if that is more; found in so many
+rounds, as it hangs on which pieces count."""
+
+CHANCE = 3.0
+SMALL = 0.1
+"""Standard errors, and the value, that the coefficient must exceed to count."""
+
+LAGS = 10
+FADING = 0.1
+"""Rows of lag over which noise must fade as a first-order autoregression, and how nearly."""
+
+HEAVY_TAILED = 1.0
+"""Excess kurtosis from which what is new in each row is no noise: a Gaussian has 0."""
+
+QUIETEST = 0.1
+UNEQUAL = 0.6
+DRAWN = 400
+"""Share of the pieces that are the quietest, and how their variance is to the median piece's, in
+multiples of what it is in so many drawn ones, below which a valve moves in most."""
+
+_RANGE = (-0.95, 0.99)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """
+    Noise of a channel: standard deviation and resolution in its unit, AR(1) coefficient by row.
+
+    The level holds what rounding to the resolution adds; a resolution of 0 is none.
+    """
+
+    level: float
+    correlation: float = 0.0
+    resolution: float = 0.0
+
+    def added_to(self, signal: Array, rng: np.random.Generator) -> Array:
+        """Return the signal, shape (n,), with a draw of this noise, rounded as it was recorded."""
+        level = np.sqrt(max(self.level**2 - self.resolution**2 / 12.0, 0.0))
+        white = rng.standard_normal(len(signal))
+        white[1:] *= np.sqrt(1.0 - self.correlation**2)
+        noisy = signal + level * lfilter([1.0], [1.0, -self.correlation], white)
+        if self.resolution > 0.0:
+            noisy = self.resolution * np.round(noisy / self.resolution)
+        return np.asarray(noisy)
+
+
+def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
+    """Return level, colour and resolution of the noise on a signal; NaN rows do not count."""
+    white = Noise(float(noise_level(signal)), 0.0, resolution(signal))
+    inside = off_its_ends(signal)
+    pieces = [inside[rest] for rest in rests if np.isfinite(inside[rest]).all()]
+    if len(pieces) < FEWEST_PIECES:
+        return white
+    rows = len(pieces[0])
+    curves = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, rows), 4))[0]
+    left = np.array(pieces)
+    left = left - (left @ curves) @ curves.T
+    every, variance = left, np.mean(left**2, axis=1)
+    removed = np.eye(rows) - curves @ curves.T
+
+    def expected(coefficient: float) -> Array:
+        """Return the covariances by lag that are left of noise of variance 1."""
+        covariance = removed @ toeplitz(coefficient ** np.arange(rows)) @ removed
+        return np.array([np.trace(covariance, lag) for lag in range(LAGS)]) / rows
+
+    most, coefficient, rounded = DISTURBED, 0.0, white.resolution**2 / 12.0
+    for _ in range(ROUNDS):
+        left = every[variance <= most * np.median(variance)]
+        seen = float(np.mean(left**2)) - rounded * (1.0 - curves.shape[1] / rows)
+        if seen <= 0.0:
+            return white
+        shares = np.array([np.sum(left[:, lag:] * left[:, :rows - lag]) for lag in range(LAGS)])
+        shares /= seen * left.size  # rounding is white: it counts in no lag but none
+        shares[0] = 1.0
+
+        def too_much(coefficient: float, carried: float = float(shares[1])) -> float:
+            variance, next_to_it = expected(coefficient)[:2]
+            return float(next_to_it / variance - carried)
+
+        low, high = _RANGE
+        if too_much(low) >= 0.0 or too_much(high) <= 0.0:
+            coefficient = low if too_much(low) >= 0.0 else high
+        else:
+            coefficient = float(brentq(too_much, low, high, xtol=1e-4))
+        # of slow noise the pieces differ by much more than of white noise
+        by_chance = _variances(coefficient, removed)
+        most = max(DISTURBED, float(np.quantile(by_chance, USUAL) / np.median(by_chance)))
+    like_it = expected(coefficient)
+    fades = np.max(np.abs(like_it / like_it[0] - shares)) < FADING
+    new = left[:, 1:] - coefficient * left[:, :-1]
+    slips = kurtosis(new, axis=None) > HEAVY_TAILED
+    small = abs(coefficient) < max(SMALL, CHANCE / np.sqrt(left.size))
+    if small or slips or not fades or _hunts(variance, coefficient, removed):
+        return white
+    return Noise(float(np.sqrt(seen / like_it[0] + rounded)), coefficient, white.resolution)
+
+
+def _hunts(variance: Array, coefficient: float, removed: Array) -> bool:
+    """Tell whether the variances of pieces differ more than those of such noise, less the cubic."""
+    by_chance = _variances(coefficient, removed)
+    quiet, usual = (np.quantile(each, QUIETEST) / np.median(each) for each in (variance, by_chance))
+    return bool(quiet < UNEQUAL * usual)
+
+
+def _variances(coefficient: float, removed: Array) -> Array:
+    """Return the variances of drawn pieces of such noise, less the cubic."""
+    rows = len(removed)
+    drawn = lfilter([1.0], [1.0, -coefficient],
+                    np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
+    return np.asarray(np.mean((drawn @ removed)**2, axis=1))
+
+
+def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
+    """
+    Return equally long pieces of a record in which every drive has stood still and settled.
+
+    Time in s, shape (n,), like each drive. Pieces do not overlap and have no gap within.
+    """
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    rows, lead = min(max(round(PIECE / usual), FEWEST_ROWS), MOST_ROWS), round(SETTLING / usual)
+    moving = [_judged_by(drive, rows) for drive in drives if np.ptp(drive) > 0.0]
+    rests = []
+    first = lead
+    while first + rows <= len(time):
+        whole = slice(first - lead, first + rows)
+        even = np.max(steps[whole.start:whole.stop - 1]) < 1.5 * usual
+        if even and all(np.ptp(drive[whole]) <= most for drive, most in moving):
+            rests.append(slice(first, first + rows))
+            first += rows
+        else:
+            first += max(rows // 4, 1)
+    return rests
+
+
+def _judged_by(drive: Array, rows: int) -> tuple[Array, float]:
+    """Return what tells whether a drive stands still, less its noise, and its range if it does."""
+    # not the noise level that counts resolution: levels of a stair are no resolution
+    noise, least = np.nan_to_num(white_noise(drive)), STILL_SHARE * float(np.ptp(drive))
+    if STILL * noise <= least:
+        return drive, least
+    return uniform_filter1d(drive, rows, mode='nearest'), STILL * noise

@@ -1,0 +1,331 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Fitting parameters of the model to an experiment.
+
+A fit minimises, over a vector of dimensionless variables z,
+
+    sum over channels and marked rows ((measured - model(z)) / noise)²  +  sum (prior)²
+
+by bounded trust-region least squares (scipy), with the columns of the Jacobian simulated side by
+side: the compiled model gives up Python's lock.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
+from booster_ros.diagnosis.fitting.descent import CONVERGED, Residuals, descend
+from booster_ros.diagnosis.fitting.freedom import BENCH, Free, put
+from booster_ros.diagnosis.fitting.side_by_side import side_by_side
+from booster_ros.diagnosis.fitting.slips import Windows
+from booster_ros.model.actuator import has_dry_friction
+from booster_ros.model.discrepancy import remembers
+from booster_ros.model.parameters import ParameterError, check_consistent
+from booster_ros.model.sensors import position_behind, pressure_behind
+from booster_ros.model.stream import DEFAULT_TOLERANCE
+from booster_ros.model.system import Departure, PositionerParameters
+
+Array = np.ndarray
+
+DIFFERENCE = 2e-3
+VISIBLE, VISIBLE_THINNED, VISIBLE_THROUGH_SLIPS = 1.0, 10.0, 100.0
+"""
+Steps of the Jacobian's differences in z: the first, and how far (norm of the scaled residuals'
+change) later ones go. Larger ones bend: where gain, offset and supply nearly do the same, what is
+left of their columns is wrong then, and a fit ends far from the end of their valley. Smaller ones
+drown in the solver's own error, which is larger on thinned rows; where the stem sticks, in a cost
+that is rough with when each slip comes: the third figure sees through that.
+"""
+
+UNSEEN = 1.0
+"""A size is not seen if the cost rises by no more without it."""
+
+SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-5, 0.1
+
+START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
+"""Spread of the start around the experiment's: pressure in 100 Pa, back pressure in 500 Pa, places
+in the two plays, warmth of the chamber's air in 10 K, what was of late in 0.3 units of `past`."""
+
+START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
+
+FAR = 1e3
+"""Scaled residual where the model cannot run; large, finite, flat: a fit turns away."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model: z of each freedom, parameters, start, and how well it does."""
+
+    freedoms: tuple[Free, ...]
+    z: Array
+    parameters: PositionerParameters
+    initial: Initial
+    cost: float
+    jacobian: Array = field(repr=False)
+
+    @property
+    def seen(self) -> Array:
+        """Which variables, as they stand, move the scaled residuals by more than the noise."""
+        return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
+
+
+@dataclass(frozen=True)
+class Problem:
+    """
+    What is to be fitted: an experiment, the rows that count, and the given parameters.
+
+    `fine` forms slopes of a stem that sticks over short ways, as those of any other: for an end
+    that is compared with another to a few percent, not for getting there.
+    """
+
+    experiment: Experiment
+    rows: Array
+    base: PositionerParameters
+    freedoms: tuple[Free, ...]
+    fine: bool = False
+
+    @property
+    def nuisances(self) -> int:
+        """Number of variables for the start, behind those of the parameters."""
+        return 0 if 'chamber_pressure' in self.experiment.pinned else len(START)
+
+    def parameters(self, z: Array) -> PositionerParameters:
+        """Return the parameters at z."""
+        p = self.base
+        for free, variable in zip(self.freedoms, z):
+            p = put(p, free.knob.parameter, free.value(variable), free.element)
+        return p
+
+    def initial(self, z: Array, p: PositionerParameters) -> Initial:
+        """Return the start at z: the stem stands where it was seen if it can stick."""
+        start = self.experiment.initial
+        if self.nuisances:
+            pressure, back, ep_play, position_play, warmth, past = z[len(self.freedoms):]
+            back = start.departure.back_pressure + 500.0 * back
+            start = replace(
+                start, departure=Departure(back, ep_play, position_play, 10.0 * warmth, 0.3 * past),
+                chamber_pressure=pressure_behind(
+                    p.sensors, start.chamber_pressure + 100.0 * pressure))
+        if start.valve_position is None or not has_dry_friction(p.actuator):
+            return replace(start, valve_position=None)
+        sensors = p.sensors
+        read = position_behind(sensors, start.valve_position)
+        lost = 0.5 * sensors.position_backlash * start.departure.position_play
+        return replace(start, valve_position=read - lost)
+
+    def predict(self, z: Array) -> dict[str, Array] | None:
+        """Return the model's channels at z, None where it cannot run."""
+        p = self.parameters(z)
+        try:
+            check_consistent(p)
+        except ParameterError:
+            return None
+        return self.experiment.predict(p, self.initial(z, p))
+
+    def residuals(self, z: Array) -> Array:
+        """Return the scaled residuals of all marked rows, priors behind them."""
+        return self._with_priors(z, self._scaled(z))
+
+    def means(self, z: Array) -> Array:
+        """Return the means of residuals over windows, scaled to their own noise, and priors."""
+        return self._with_priors(z, [
+            slips.means(scaled) for slips, scaled in zip(self.slips, self._scaled(z))])
+
+    def through_slips(self, z: Array) -> Array:
+        """Return what does not ask when each slip comes: `means`, and strengths behind them."""
+        scaled = self._scaled(z)
+        means = [slips.means(each) for slips, each in zip(self.slips, scaled)]
+        strengths = [slips.strengths(each) for slips, each in zip(self.slips, scaled)]
+        return self._with_priors(z, [*means, *strengths])
+
+    def cost_of_means(self, z: Array) -> float:
+        """Return the sum of squares of `means`."""
+        return float(np.sum(self.means(z)**2))
+
+    def cost_through_slips(self, z: Array) -> float:
+        """Return the sum of squares of `through_slips`: what is missed but for single slips."""
+        return float(np.sum(self.through_slips(z)**2))
+
+    @cached_property
+    def counted(self) -> dict[str, Array]:
+        """The rows of each channel that count, as a mask of shape (n,): marked, with a value."""
+        return {name: self.rows & np.isfinite(measured)
+                for name, measured in self.experiment.measured.items()}
+
+    @cached_property
+    def slips(self) -> tuple[Windows, ...]:
+        """Over which rows of each channel means and strengths are formed."""
+        measured, noise = self.experiment.measured, self.experiment.noise
+        return tuple(Windows.of(self.experiment.time[rows], measured[name][rows] / noise[name])
+                     for name, rows in self.counted.items())
+
+    def slopes_of_means(self, z: Array, here: Array, before: Array | None = None) -> Array:
+        """Return d(means)/dz as `jacobian` does; `here` are the means at z."""
+        return self._slopes(self.means, z, here, before)
+
+    def _slopes_through_slips(self, z: Array, here: Array, before: Array | None = None) -> Array:
+        return self._slopes(self.through_slips, z, here, before)
+
+    def _scaled(self, z: Array) -> list[Array]:
+        """Return the scaled residuals of the rows that count, one array a channel."""
+        predicted = self.predict(z)
+        if predicted is None:
+            return [np.full(np.count_nonzero(rows), FAR) for rows in self.counted.values()]
+        measured, noise = self.experiment.measured, self.experiment.noise
+        return [
+            np.nan_to_num((measured[name][rows] - predicted[name][rows]) / noise[name],
+                          nan=FAR, posinf=FAR, neginf=-FAR)
+            for name, rows in self.counted.items()]
+
+    def _with_priors(self, z: Array, parts: list[Array]) -> Array:
+        priors = [variable / free.sigma for free, variable in zip(self.freedoms, z)
+                  if np.isfinite(free.sigma)]
+        start = z[len(self.freedoms):] / START if self.nuisances else []
+        return np.concatenate([*parts, priors, start])
+
+    def cost_of_priors(self, z: Array) -> float:
+        """Return the sum of squares of the departures at z from what is given, start included."""
+        return float(np.sum(self._with_priors(z, [])**2))
+
+    def jacobian(self, z: Array, here: Array, before: Array | None = None) -> Array:
+        """
+        Return d(residuals)/dz by one-sided differences, columns side by side.
+
+        `here` are the residuals at z; `before` is an earlier one, which tells how far to go in each
+        variable.
+        """
+        return self._slopes(self.residuals, z, here, before)
+
+    def _slopes(self, residuals: Residuals, z: Array, here: Array, before: Array | None) -> Array:
+        steps = np.full(len(z), DIFFERENCE) if before is None else self.steps_for(
+            z, np.linalg.norm(before, axis=0))
+
+        def column(j: int) -> Array:
+            step = steps[j]
+            if j < len(self.freedoms) and z[j] + step > self.freedoms[j].high:
+                step = -step
+            moved = z.copy()
+            moved[j] += step
+            return (residuals(moved) - here) / step
+
+        silent = self._silent(z)
+        columns = np.zeros((len(here), len(z)))
+        told = [j for j in range(len(z)) if j not in silent]
+        for j, change in zip(told, side_by_side(column, told)):
+            columns[:, j] = change
+        for j in silent:  # its prior is all that such a variable moves
+            columns[len(here) + j - len(z), j] = 1.0 / START[j - len(self.freedoms)]
+        return columns
+
+    def steps_for(self, z: Array, slopes: Array) -> Array:
+        """Return how far differences go, in z, where slopes have these norms."""
+        return np.clip(self._visible(z) / np.maximum(slopes, 1e-9),
+                       SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
+
+    def _visible(self, z: Array) -> float:
+        rough = has_dry_friction(self.parameters(z).actuator) and not self.fine
+        if rough:
+            return VISIBLE_THROUGH_SLIPS
+        return VISIBLE_THINNED if self.experiment.tolerance > DEFAULT_TOLERANCE else VISIBLE
+
+    def _silent(self, z: Array) -> list[int]:
+        """Return the variables of the start that cannot matter: a place in no play, say."""
+        if not self.nuisances:
+            return []
+        p = self.parameters(z)
+        sizes = (p.ep_converter.hysteresis, p.sensors.position_backlash,
+                 p.actuator.thermal_resistance, float(remembers(p.discrepancy)))
+        return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
+
+    def idle(self, variables: Iterable[int], z: Array) -> set[int]:
+        """Return those on which nothing seen at z depends: beside no size no shape matters."""
+        asked = list(variables)
+        here = self._scaled(z) if asked else []
+
+        def moves_nothing(j: int) -> bool:
+            moved = z.copy()
+            moved[j] += DIFFERENCE if z[j] + DIFFERENCE < self.freedoms[j].high else -DIFFERENCE
+            return all(map(np.array_equal, self._scaled(moved), here))
+
+        return {j for j, still in zip(asked, side_by_side(moves_nothing, asked)) if still}
+
+    def without_unseen(self, fit: Fit) -> Fit:
+        """
+        Return the fit with sizes back at neutral that the rows show less than their noise.
+
+        And with shapes as typical on which nothing depends.
+
+        Slopes say so as well of a size from which on nothing more shows, a seat that is wide enough
+        never to be fully open: neutral is not wide enough. So that model is run before it is taken.
+        """
+        seen = fit.seen
+        z = fit.z
+        cost = float(np.sum(self.residuals(z)**2))
+        for j, free in enumerate(self.freedoms):
+            size = not np.isfinite(free.sigma) and not free.knob.shape
+            if size and z[j] != 0.0 and not seen[j] and free.knob.parameter not in BENCH:
+                without = z.copy()
+                without[j] = 0.0
+                left = float(np.sum(self.residuals(without)**2))
+                if left < cost + UNSEEN:
+                    z = without
+        shapes = [j for j, free in enumerate(self.freedoms)
+                  if free.knob.shape and not np.isfinite(free.sigma)
+                  and not free.knob.inverse]  # no stiffness is one that matters
+        for j in self.idle(shapes, z):
+            z = z.copy()
+            z[j] = self.freedoms[j].without_size
+        p = self.parameters(z)
+        return replace(fit, z=z, parameters=p, initial=self.initial(z, p))
+
+    def rows_counted(self) -> int:
+        """Return how many measurements count, over all channels."""
+        return sum(int(np.count_nonzero(rows)) for rows in self.counted.values())
+
+    def start(self) -> Array:
+        """Return z of the given parameters."""
+        return np.zeros(len(self.freedoms) + self.nuisances)
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the lower and upper bounds of z."""
+        width = START_BOUND[:self.nuisances]
+        return (np.array([f.low for f in self.freedoms] + [-w for w in width]),
+                np.array([f.high for f in self.freedoms] + list(width)))
+
+    def at(self, z: Array) -> Fit:
+        """Return z as a fit, with its cost and Jacobian there."""
+        p, here = self.parameters(z), self.residuals(z)
+        return Fit(self.freedoms, z, p, self.initial(z, p), float(here @ here),
+                   self.jacobian(z, here))
+
+    def fit(self, z: Array | None = None, evaluations: int = 20, converged: float = CONVERGED
+            ) -> Fit:
+        """Return the best fit from z on (default: from the given parameters)."""
+        begin = self._inside(self.start() if z is None else z)
+        found = descend(
+            self.residuals, self.jacobian, begin, *self.bounds(), evaluations, converged)
+        p = self.parameters(found.z)
+        return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)
+
+    def fit_through_slips(self, z: Array, evaluations: int = 20) -> Fit:
+        """
+        Return where the fit of `through_slips` ends, seen from z, or, if better, a fit from there.
+
+        How much friction there is shows in the means, how far slips go in the strengths. Which slip
+        comes when makes the cost of all rows rough, and their fit ends where the phase of some
+        happens to suit, or where slips are so small that it does not matter; `cost_through_slips`
+        says which is better.
+        """
+        found = descend(self.through_slips, self._slopes_through_slips, self._inside(z),
+                        *self.bounds(), evaluations)
+        further = self.fit(found.z, evaluations)
+        return self.at(found.z) if found.cost <= self.cost_through_slips(further.z) else further
+
+    def _inside(self, z: Array) -> Array:
+        low, high = self.bounds()
+        margin = 1e-6 * np.minimum(high - low, 1.0)
+        return np.clip(z, low + margin, high - margin)

@@ -1,0 +1,98 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where a fit of a stem that sticks may begin: the friction that fits best through slips.
+
+Which slip comes when makes the cost of a fit rough, and a fit from friction that is far off ends in
+the next hollow. Friction that was fitted while something above the stem was missing is far off. So
+sliding friction and stiction are tried over their range, first widely, then closely around the
+best, for a packing that yields and for one that does not; a trial is one run.
+"""
+
+from collections.abc import Iterable
+import itertools
+
+import numpy as np
+
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.side_by_side import side_by_side
+from booster_ros.model.actuator import is_rigid
+
+Array = np.ndarray
+
+SLIDING = (75.0, 110.0, 150.0, 220.0, 300.0, 400.0, 550.0, 750.0, 1000.0, 1400.0)
+"""Sliding friction that is tried, N."""
+
+BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
+"""Stiction that is tried with each, as a share of it."""
+
+HOLLOWS = 5
+CLOSER = ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
+"""
+Then, around so many of the best: steps of the sliding friction, as a share of it, and of the share
+that breaks away.
+"""
+
+DAMPINGS = (0.5, 1.0)
+"""Damping of a packing from which fits begin, as a share of critical."""
+
+_Trial = tuple[float, float, bool]
+
+
+def best_friction(problem: Problem, z: Array) -> Array:
+    """
+    Return z with the friction that fits best through slips, beside everything else as it is.
+
+    And with the start as given: it had bent itself to the friction that was. z itself where no
+    friction is free.
+    """
+    if all(free.knob.parameter != 'actuator.coulomb_friction' for free in problem.freedoms):
+        return z
+    low, high = problem.bounds()
+
+    def placed(trial: _Trial) -> Array:
+        sliding, share, yields = trial
+        values = {'actuator.coulomb_friction': sliding, 'actuator.stiction': share * sliding}
+        moved = z.copy()
+        moved[len(problem.freedoms):] = 0.0
+        for j, free in enumerate(problem.freedoms):
+            name = free.knob.parameter
+            if name in values:
+                moved[j] = free.variable(values[name])
+            elif name == 'actuator.presliding_stiffness':
+                moved[j] = free.variable(free.knob.typical if yields else 0.0)
+            elif name in ('actuator.presliding_damping', 'actuator.stribeck_velocity'):
+                moved[j] = free.variable(free.knob.typical)
+        return np.clip(moved, low, high)
+
+    def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
+        several = list(trials)
+        left = side_by_side(lambda trial: problem.cost_through_slips(placed(trial)), several)
+        return sorted(zip(left, several))
+
+    hollows = tried(itertools.product(SLIDING, BREAKING_AWAY, (False, True)))[:HOLLOWS]
+    for step, more in CLOSER:
+        hollows = [tried((sliding * (1.0 + step * j), max(share + more * k, 0.0), yields)
+                         for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))[0]
+                   for _, (sliding, share, yields) in hollows]
+    return placed(min(hollows)[1])
+
+
+def each_damping(problem: Problem, z: Array) -> list[Array]:
+    """
+    Return z with each of DAMPINGS of a packing that yields; of a rigid one, of one that is soft.
+
+    A descent does not get from much damping to little, as that and viscous friction trade; nor far
+    from a rigid packing, with which slips come all at once. From a soft one it gets to a rigid one.
+    """
+    rigid = is_rigid(problem.parameters(z).actuator)
+    places = []
+    for damping in DAMPINGS:
+        moved = z.copy()
+        for j, free in enumerate(problem.freedoms):
+            if free.knob.parameter == 'actuator.presliding_damping':
+                moved[j] = free.variable(damping)
+            elif free.knob.parameter == 'actuator.presliding_stiffness' and rigid:
+                moved[j] = free.variable(free.knob.typical)
+        places.append(moved)
+    return places

@@ -1,0 +1,266 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""How sure a fitted parameter is, when residuals are coloured."""
+
+import numpy as np
+
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.fitting.freedom import Free
+from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
+
+DRAWS = 400
+
+SAME_TRACE = 0.01
+"""Share of the square of a size's trace up to which shapes that leave no more do the same."""
+
+FEWEST_BLOCKS = 8
+"""Segments are cut into equal parts where there are fewer: of two there are three draws in all."""
+
+FEW, IN_FEW = 3, 0.9
+"""They are cut as well where so much of what is known of the size of an effect is in so few."""
+
+WIDEST = 30.0
+"""Standard deviation of what a size may be before anything is seen, in typical sizes."""
+
+SILENT = 1.0
+"""Norm of the scaled residuals' change for a typical size below which slopes tell nothing."""
+
+NOTICED = 3.84
+"""Rise of the cost by which the rows notice that such a variable moves: 95 % of chi square."""
+
+HALVINGS = 12
+
+AT_BOUND = 1e-2
+"""A size this near its bound, relative to its range, has run into it."""
+
+
+def block_bootstrap(problem: Problem, fit: Fit, of_row: Array) -> Array:
+    """
+    Return draws of z, shape (DRAWS, variables), by a block bootstrap of whole segments.
+
+    `of_row` says of each row of the experiment which segment it belongs to. Each draw weighs the
+    segments by how often they were drawn and makes one Gauss-Newton step from the fit. Residuals
+    may be as coloured as they like within a segment. Where a declared parameter is expected is
+    drawn too, from its prior: what an effect trades with it is as unsure as that.
+
+    Shapes are drawn with all else free, all else at the shapes that were found. Both at once would
+    run along a line through nonsense: a drift of half the size in half the time is the same drift
+    while it is young, and where the size is none the shape is nothing.
+    """
+    label = _labels(problem, _blocks(problem, fit, of_row))
+    return _draws(problem, fit, problem.residuals(fit.z), fit.jacobian, label)
+
+
+def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array) -> Array:
+    """
+    Return draws as `block_bootstrap` does, of the means in which single slips do not show.
+
+    Where the stem sticks, slopes of single rows say when slips come, as if the model could repeat
+    each of them: intervals from those are far too narrow.
+    """
+    of_row = _blocks(problem, fit, of_row)
+    here = problem.means(fit.z)
+    slopes = problem.slopes_of_means(fit.z, here, problem.slopes_of_means(fit.z, here))
+    label = np.concatenate([
+        of_row[rows][slips.first] for rows, slips in zip(problem.counted.values(), problem.slips)])
+    return _draws(problem, fit, here, slopes, label)
+
+
+def _blocks(problem: Problem, fit: Fit, of_row: Array) -> Array:
+    """Return the segment of each row, cut into parts where there are few or few of them tell."""
+    segments = len(np.unique(of_row[problem.rows]))
+    if segments < FEWEST_BLOCKS:
+        of_row = _cut(of_row, -(-FEWEST_BLOCKS // segments))
+    in_few = _shows_in_few(problem, fit, _labels(problem, of_row))
+    return _cut(of_row, FEWEST_BLOCKS) if in_few else of_row
+
+
+def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: Array
+           ) -> Array:
+    data = len(label)
+    blocks = np.unique(label)
+    size = len(fit.z)
+    gradients = np.zeros((len(blocks), size))
+    hessians = np.zeros((len(blocks), size, size))
+    for b, k in enumerate(blocks):
+        mask = np.flatnonzero(label == k)
+        gradients[b] = jacobian[mask].T @ residual[mask]
+        hessians[b] = jacobian[mask].T @ jacobian[mask]
+    prior = jacobian[data:]
+    prior_hessian = prior.T @ prior
+    rng = np.random.default_rng(1)
+    draws = np.empty((DRAWS, size))
+    # a size is of its typical order: without that, a draw in which a size hardly shows is anything
+    ridge = np.eye(size) / WIDEST**2
+    pull = ridge @ fit.z
+    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
+    rest = np.setdiff1d(np.arange(size), shapes)
+    for d in range(DRAWS):
+        counts = np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks))
+        centres = residual[data:] + rng.standard_normal(len(prior))
+        gradient = counts @ gradients + prior.T @ centres + pull
+        hessian = np.tensordot(counts, hessians, 1) + prior_hessian + ridge
+        draws[d] = fit.z - np.linalg.solve(hessian, gradient)
+        if shapes:
+            draws[d, rest] = fit.z[rest] - np.linalg.solve(
+                hessian[np.ix_(rest, rest)], gradient[rest])
+    return draws
+
+
+def _labels(problem: Problem, of_row: Array) -> Array:
+    """Return the block of every residual of a measurement."""
+    return np.concatenate([of_row[rows] for rows in problem.counted.values()])
+
+
+def _shows_in_few(problem: Problem, fit: Fit, label: Array) -> bool:
+    """
+    Tell whether what is known of the size of an effect comes from few blocks.
+
+    A stem that reaches its seat twice, say: of 20 draws one or more are without these blocks, know
+    nothing of the size, and would call any trace chance.
+    """
+    sizes = [j for j, free in enumerate(problem.freedoms)
+             if not free.knob.shape and not np.isfinite(free.sigma) and fit.seen[j]]
+    known = fit.jacobian[:len(label), sizes]**2
+    by_block = np.array([known[label == k].sum(axis=0) for k in np.unique(label)])
+    in_few = np.sort(by_block, axis=0)[-FEW:].sum(axis=0)
+    return bool((in_few > IN_FEW * by_block.sum(axis=0)).any())
+
+
+def _cut(of_row: Array, parts: int) -> Array:
+    """Return the segment of each row with every segment cut into equal parts."""
+    finer = np.empty(len(of_row), dtype=int)
+    for segment in np.unique(of_row):
+        rows = np.flatnonzero(of_row == segment)
+        finer[rows] = segment * parts + np.arange(len(rows)) * parts // len(rows)
+    return finer
+
+
+def interval_of(problem: Problem, draws: Array, fit: Fit, index: int,
+                tried: tuple[float, float] | None = None) -> tuple[float, float, float]:
+    """
+    Return (value, low, high) of a variable as the parameter's value, 95 %, within bounds.
+
+    `tried` are the ends of what trials have shown to be as good, where there were some: they were
+    drawn ever closer to the best, so that a share of them is no measure.
+
+    What shows nowhere where it stands, a lift of a seat that is never reached, goes to where the
+    rows would notice it (profile likelihood, all else as it is). A stiffness or restriction that
+    may as well be none ends at its upper bound, not at the zero that stands for "none" there.
+    """
+    free = problem.freedoms[index]
+    if tried is not None:
+        low, high = tried
+    elif np.linalg.norm(fit.jacobian[:, index]) < SILENT:
+        low, high = _unnoticed(problem, fit, index)
+    else:
+        low, high = np.quantile(draws[:, index], [0.025, 0.975])
+    # the draws centre on a step away from the fit where it stopped early: hold both
+    value = free.value(fit.z[index])
+    ends = [free.value(float(np.clip(z, free.low, free.high)))
+            for z in (min(low, fit.z[index]), max(high, fit.z[index]))]
+    if free.knob.inverse and value != free.knob.neutral:
+        ends = [end if end != free.knob.neutral else free.knob.high for end in ends]
+    return value, min(ends), max(ends)
+
+
+def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
+    """Return how far towards its bounds a variable can go before the rows notice."""
+    most = float(np.sum(problem.residuals(fit.z)**2)) + NOTICED
+
+    def unnoticed(end: float) -> bool:
+        moved = fit.z.copy()
+        moved[index] = end
+        return float(np.sum(problem.residuals(moved)**2)) < most
+
+    def furthest(bound: float) -> float:
+        if unnoticed(bound):
+            return bound
+        inside, outside = float(fit.z[index]), bound
+        for _ in range(HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if unnoticed(middle) else (inside, middle)
+        return inside
+
+    free = problem.freedoms[index]
+    return furthest(free.low), furthest(free.high)
+
+
+def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
+    """
+    Return why a fitted effect is none that this record shows, '' where it is one.
+
+    An effect stands if the neutral values of its own sizes lie outside the region that holds 95 %
+    of their draws, and if none has run into its bound: then something else is imitated, but where
+    a shape does the same as the size, as while a drift is young. The region
+    is that of all sizes together: two that do the same may each be anything, their sum may not,
+    even where the fit gave all of it to one of them. What would not show at its typical size, nor
+    as it stands, has no say.
+    """
+    own = own_sizes(effect)
+    shows = fit.seen | (np.linalg.norm(fit.jacobian, axis=0) > SILENT)
+    sizes = [j for j, free in enumerate(problem.freedoms)
+             if free.knob.parameter in own and shows[j]]
+    if not fit.seen[sizes].any() or _holds_zero(draws[:, sizes], fit.z[sizes]):
+        return 'its size is not told from none'
+    at_bound = [problem.freedoms[j].knob.parameter for j in sizes
+                if _at_bound(problem.freedoms[j], fit.z[j])]
+    alike = traded(problem, fit, effect) if at_bound else []
+    stuck = [name for name in at_bound if name not in alike]
+    return f'{stuck[0]} runs into its bound' if stuck else ''
+
+
+def traded(problem: Problem, fit: Fit, effect: str) -> list[str]:
+    """Return the effect's sizes whose trace its shapes can follow: known only with those."""
+    sizes, shapes = (
+        [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in wanted]
+        for wanted in (sizes_of(effect), shapes_of(effect)))
+    found = []
+    for j in sizes:
+        trace = fit.jacobian[:, j]
+        imitated = fit.jacobian[:, shapes] @ np.linalg.lstsq(fit.jacobian[:, shapes], trace)[0]
+        if np.sum((trace - imitated)**2) < SAME_TRACE * np.sum(trace**2):
+            found.append(problem.freedoms[j].knob.parameter)
+    return found
+
+
+def _holds_zero(draws: Array, best: Array) -> bool:
+    """Tell whether zero is in the ellipsoid of 95 % of the draws, around their mean or the best."""
+    mean = draws.mean(axis=0)
+    shape = np.linalg.pinv(np.atleast_2d(np.cov(draws, rowvar=False)), rcond=1e-9, hermitian=True)
+
+    def distance(x: Array) -> Array:
+        return np.einsum('...i,ij,...j->...', x, shape, x)
+
+    widest = np.quantile(distance(draws - mean), 0.95)
+    return bool(min(distance(mean), distance(best)) <= widest)
+
+
+def own_sizes(effect: str) -> set[str]:
+    """Return those of `sizes_of` that no effect before it in the catalogue has as well."""
+    names = list(EFFECTS)
+    return sizes_of(effect).difference(*(sizes_of(name) for name in names[:names.index(effect)]))
+
+
+def sizes_of(effect: str) -> set[str]:
+    """Return the parameters that give an effect its size; KeyError if there is none such."""
+    return {knob.parameter for knob in EFFECTS[effect].knobs if not knob.shape}
+
+
+def within(effect: str) -> set[str]:
+    """Return the effects that this one builds on: it has sizes that are theirs."""
+    return {name for name in EFFECTS if name != effect and sizes_of(effect) & own_sizes(name)}
+
+
+def shapes_of(effect: str) -> set[str]:
+    """Return the parameters that give an effect its shape; KeyError if there is none such."""
+    return {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}
+
+
+def _at_bound(free: Free, z: float) -> bool:
+    """Tell whether a size has run into a bound that is not its neutral value."""
+    room = AT_BOUND * (free.high - free.low)
+    return (abs(free.low) > room and z - free.low < room) or (
+        abs(free.high) > room and free.high - z < room)

@@ -1,0 +1,271 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a cleaned record to an experiment."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from booster_ros.diagnosis.experiment.experiment import DriveNoise, Experiment
+from booster_ros.diagnosis.experiment.noise import white_noise
+from booster_ros.diagnosis.experiment.noise_colour import noise_of, rests_of
+from booster_ros.diagnosis.experiment.roles import Roles, roles
+from booster_ros.diagnosis.preparing.gaps import caught_up, gaps_that_hide
+from booster_ros.diagnosis.preparing.late_commands import (
+    commands_may_be_late, with_noise_of_timing)
+from booster_ros.diagnosis.preparing.plausibility import (
+    check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales,
+    stands_still, without_stuck)
+from booster_ros.diagnosis.preparing.sampled_commands import with_sampled_commands
+from booster_ros.diagnosis.preparing.start_state import start_state, with_start_of_converter
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import Record, RecordError
+from booster_ros.records.holding import bridged, last_known
+from booster_ros.records.time_axis import longest_usual
+
+Array = np.ndarray
+
+DWELL_PINNED = 0.25
+DWELL_COMMANDED = 30.0
+"""How long each row of a sweep without time stands, s: where a pressure drives, only the stem has
+to follow; where the current drives, the chamber has to fill."""
+
+FEWEST_ROWS = 12
+"""Rows that must be comparable at the least."""
+
+QUIETING = 25
+"""Samples of a measured drive that are averaged to see what its noise adds."""
+
+LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
+               'valve_position': 1e-7, 'mass_flow': 1e-9}
+"""
+Noise of a channel in its unit, at the least: what the solver leaves on thinned rows, 2 Pa and
+0.03 um, must not count as something that the model lacks. Sensors resolve far less.
+"""
+
+
+def prepare(
+    record: Record, declared: PositionerParameters, dwell: float | None = None
+) -> Experiment:
+    """
+    Return the experiment that a record is.
+
+    The most upstream channels drive, the others are compared; rows in and shortly after gaps of
+    the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
+    seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
+    """
+    record, idle = _without_idle_command(record)
+    needed = roles(record.columns, record.source, record.ignored).compared
+    record, sparse = _without_sparse(record, needed)
+    role = roles(record.columns, record.source)
+    columns, trimmed = _from_known_start(record, role)
+    check_scales(columns, declared, record.source)
+    time = columns.get('time')
+    begins = 0.0
+    sampled = {name: columns[name] for name in role.pinned}
+    if time is not None:
+        columns |= {name: _between_samples(time, values) for name, values in sampled.items()}
+    quasi_static = time is None
+    if time is None:
+        time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
+    elif time[0] != 0.0:  # what warms up or swings does so from where the record begins
+        begins = float(time[0])
+        trimmed = (*trimmed, f'time counted from the first row used, at {begins:.9g} s')
+        time = time - begins
+    gaps = [] if quasi_static else gaps_that_hide(time, columns, role.drives)
+    usable = _usable_rows(time, columns, role, quasi_static)
+    compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
+    _check_enough(compared, record.source)
+    current = _current(columns, role, quasi_static)
+    pinned = {name: bridged(time, columns[name]) for name in role.pinned}
+    rests = [] if quasi_static else rests_of(time, [current, *pinned.values()])
+    noise = _noise(columns, rests)
+    experiment = Experiment(
+        time=time,
+        current=current,
+        measured=compared,
+        noise={name: noise[name] for name in role.compared},
+        pinned=pinned,
+        initial=start_state(columns, declared, noise),
+        drive_noise={} if quasi_static else {
+            name: _drive_noise(name, values, rests) for name, values in sampled.items()},
+        quasi_static=quasi_static,
+        begins=begins,
+        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)),
+    )
+    if not quasi_static:
+        usable &= caught_up(experiment, declared, gaps)
+        compared = {name: np.where(usable, values, np.nan) for name, values in compared.items()}
+        left_out = _gap_notes(usable, role)
+        _check_enough(compared, record.source, *left_out)
+        experiment = replace(
+            experiment, measured=compared, notes=(*experiment.notes, *left_out))
+    check_drive(experiment, declared, record.source)
+    check_bench(experiment, declared, record.source)
+    if not quasi_static:
+        check_clock(experiment, declared, record.source)
+    check_pressures(experiment, declared, record.source)
+    check_direction(experiment, declared, record.source)
+    experiment = without_stuck(experiment, declared, record.source)
+    experiment = replace(experiment, notes=(
+        *experiment.notes, *_still_notes(experiment.measured)))
+    if quasi_static:
+        return experiment
+    if commands_may_be_late(experiment):
+        experiment = with_noise_of_timing(experiment, declared)
+    else:
+        experiment = with_sampled_commands(experiment, declared)
+        _check_enough(experiment.measured, record.source, *experiment.notes[-1:])
+    if role.commanded and 'back_pressure' not in columns:
+        experiment = with_start_of_converter(experiment, declared)
+    return _with_noise_of_drives(experiment, declared)
+
+
+def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
+    """Return the record without a current that is 0 wherever a sweep is compared."""
+    current = record.columns.get('control_current')
+    if current is None or 'time' in record or np.any(np.nan_to_num(current[1:])):
+        return record, ()
+    others = {name: values for name, values in record.columns.items() if name != 'control_current'}
+    return replace(record, columns=others), (
+        'control_current is 0 A in every row that a sweep is compared in: it did not drive it',)
+
+
+def _without_sparse(record: Record, compared: Collection[str]) -> tuple[Record, tuple[str, ...]]:
+    """Return the record without channels of too few values to compare, if others have enough."""
+    counts = {name: int(np.isfinite(record[name]).sum()) for name in compared}
+    sparse = {name: count for name, count in counts.items() if count < FEWEST_ROWS}
+    if len(sparse) == len(counts):
+        return record, ()
+    others = {name: values for name, values in record.columns.items() if name not in sparse}
+    return replace(record, columns=others), tuple(
+        f'{name} is not compared: it has {count} of the {FEWEST_ROWS} values needed'
+        for name, count in sparse.items())
+
+
+def _from_known_start(
+    record: Record, role: Roles
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Return the columns from the row on, and to the row, at which drives and start are known."""
+    drives = list(role.drives)
+    needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
+    driven, started = (np.all([np.isfinite(record[name]) for name in names], axis=0)
+                       if names else np.ones(len(record), dtype=bool) for names in (drives, needed))
+    if not started.any():
+        raise RecordError(f'{record.source}: no row has all of {", ".join(needed)}')
+    first, last = int(np.argmax(started)), len(record) - int(np.argmax(driven[::-1]))
+    columns = {name: np.asarray(values[first:last]) for name, values in record.columns.items()}
+    return columns, (*_left_out(record, needed, 0, first), *_left_out(record, drives, last, None))
+
+
+def _left_out(record: Record, needed: list[str], first: int, last: int | None) -> tuple[str, ...]:
+    """Return a sentence on the rows at an end that were left out, if any."""
+    rows = record.rows[first:last]
+    if not len(rows):
+        return ()
+    lacking = [name for name in needed if not np.isfinite(record[name][first:last]).all()]
+    return (f'rows {rows[0]} to {rows[-1]} left out: they lack {" or ".join(lacking)}',)
+
+
+def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
+    step = dwell or (DWELL_COMMANDED if role.commanded else DWELL_PINNED)
+    return step * np.arange(rows)
+
+
+def _usable_rows(
+    time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
+) -> Array:
+    """Return which rows have a drive that is known, or was dwelt on."""
+    usable = np.ones(len(time), dtype=bool)
+    if not role.drives:
+        return usable
+    for name in role.drives:
+        usable &= np.isfinite(columns[name])
+    if quasi_static:
+        # a row of currents starts settled at its own; only from the next on it was dwelt on
+        usable[0] &= not role.commanded
+        return usable
+    return usable
+
+
+def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
+    """Return the current that stands from each row to the next."""
+    if not role.commanded:
+        return np.zeros(len(next(iter(columns.values()))))
+    current = columns['control_current']
+    current = current[last_known(current)]  # the first row has one
+    if quasi_static:
+        # a row of a sweep was read after its own current had stood
+        return np.append(current[1:], current[-1:])
+    return current
+
+
+def _noise(columns: Mapping[str, Array], rests: list[slice]) -> dict[str, float]:
+    """Return the noise level of every channel: coloured noise is more than its differences show."""
+    return {name: max(noise_of(values, rests).level, LEAST_NOISE.get(name, 0.0))
+            for name, values in columns.items() if name != 'time'}
+
+
+def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
+    """
+    Return the noise of a measured drive from its samples, before anything stands between them.
+
+    What its steps are from one another does not count: levels at which it stood are no resolution.
+    """
+    coloured = noise_of(sampled, rests)
+    level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))
+    every = round(len(sampled) / np.isfinite(sampled).sum())
+    return DriveNoise(max(float(level), LEAST_NOISE[name]), every, coloured.correlation)
+
+
+def _between_samples(time: Array, values: Array) -> Array:
+    """Return a drive that was sampled more slowly than the rows, filled but for its own gaps."""
+    known = time[np.isfinite(values)]
+    if len(known) < 3:
+        return values
+    after = np.searchsorted(known, time).clip(1, len(known) - 1)
+    near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
+    return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
+
+
+def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> None:
+    rows = max(int(np.isfinite(values).sum()) for values in compared.values())
+    if rows < FEWEST_ROWS:
+        raise RecordError(
+            '; '.join((f'{source}: only {rows} rows can be compared with the model, at least '
+                       f'{FEWEST_ROWS} are needed', *notes)))
+
+
+def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:
+    if not quasi_static:
+        return ()
+    return (f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row',)
+
+
+def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:
+    if usable.all():
+        return ()
+    return (f'{int((~usable).sum())} rows in gaps of {" or ".join(role.drives)}, and after them '
+            'until the chamber has caught up, are not compared',)
+
+
+def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
+    return tuple(f'{name} stands still: every row has the same value'
+                 for name, values in compared.items() if stands_still(values))
+
+
+def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """Return the experiment with what the noise of measured drives adds to what is compared."""
+    if not experiment.drive_noise:
+        return experiment
+    # noise on top of noise moves a booster, whose two seats differ, by other amounts
+    quiet = replace(experiment, pinned={
+        name: uniform_filter1d(values, QUIETING * experiment.drive_noise[name].every)
+        for name, values in experiment.pinned.items()})
+    still = quiet.predict(declared)
+    moved = quiet.shaken(experiment.drive_noise, np.random.default_rng(1)).predict(declared)
+    return replace(experiment, noise={
+        name: float(np.hypot(level, np.sqrt(np.nanmean((moved[name] - still[name])**2))))
+        for name, level in experiment.noise.items()})

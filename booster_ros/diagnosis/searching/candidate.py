@@ -1,0 +1,200 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A model with some effects, fitted and scored: which of two is better, which one is plainer."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
+
+NEAR_NOISE = 1.15
+"""Mean square misfit below which no further effect is looked for."""
+
+WORTH_ADDING = 0.05
+"""An effect must lower the score by this share: less is below what noise and rounding hide."""
+
+WORTH_EXPLAINING = 0.3
+"""And it must explain this share of what noise does not."""
+
+NEARLY_ALL = 0.1
+"""Of what noise does not explain, the share that an effect may leave which one segment shows."""
+
+FAINTEST_COST, FAINTEST_SCORE, STANDARD_ERRORS = 16.0, 8.0, 2.0
+"""
+Fall of the cost, of the score, and that in its standard errors, from which an effect shows though
+it matters little. In 20 clean records the best of the catalogue lowers the one by 11 at the most,
+the other by 5.
+"""
+
+TOO_SIMILAR = 0.05
+"""Models whose scores differ by less than this share are not told apart by a record."""
+
+UNLIKELY = 9.0
+"""A model that costs so much more than another, fitted to all the same rows, is unlikely."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """
+    A model: its effects, its fit, and how it scores on the select segments.
+
+    `confirmed` says that its last effect explains enough of what is seen above the stem, where
+    the stem's friction blurs the whole; `lasting` are those that take away up there what no slip
+    explains; `fault` says why its last effect is none that this record shows, `learnt` that
+    it was fitted to the select segments as well.
+    """
+
+    effects: tuple[str, ...]
+    problem: Problem
+    fit: Fit
+    by_segment: Array
+    prior: float
+    samples: int
+    confirmed: bool = False
+    lasting: frozenset[str] = frozenset()
+    fault: str = ''
+    learnt: bool = False
+
+    @property
+    def score(self) -> float:
+        """Sum of squares on the select segments plus the prior's share."""
+        return float(self.by_segment.sum()) + self.prior
+
+    @property
+    def misfit(self) -> float:
+        """Mean square of the scaled residuals on the select segments: 1 is noise."""
+        return float(self.by_segment.sum()) / max(self.samples, 1)
+
+
+def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
+    """
+    Return by how much the score falls, and the standard error of that, paired by segment.
+
+    A model that did not come to the end scores infinitely much, and for certain.
+    """
+    if not (np.isfinite(worse.score) and np.isfinite(better.score)):
+        return (0.0 if worse.score == better.score else worse.score - better.score), 0.0
+    difference = worse.by_segment - better.by_segment
+    error = float(np.std(difference, ddof=1) * np.sqrt(len(difference))) if len(
+        difference) > 1 else 0.0
+    return worse.score - better.score, error
+
+
+def explains(fit: Fit, before: Fit, rows: int) -> bool:
+    """
+    Tell whether the first of two fits explains what matters of what the other leaves.
+
+    `rows` are the values of all channels that both are fitted to, which is what noise alone costs.
+    It matters by WORTH_ADDING of the cost, and WORTH_EXPLAINING of what is above noise.
+    """
+    fall = before.cost - fit.cost
+    return fall > WORTH_ADDING * before.cost and fall > WORTH_EXPLAINING * (before.cost - rows)
+
+
+def clearly_better(better: Candidate, worse: Candidate) -> bool:
+    """
+    Tell whether the score falls by more than one standard error and by what matters.
+
+    Or that it has an effect more that shows where slips, of which scores are made where a stem
+    sticks, do not decide.
+    """
+    if better.lasting.difference(worse.effects):
+        return True
+    fall, error = gain(worse, better)
+    excess = max(worse.score - worse.samples, 0.0)
+    enough = better.confirmed or fall > WORTH_EXPLAINING * excess
+    return enough and fall > WORTH_ADDING * worse.score and (
+        fall > error or _seen_twice(better, worse))
+
+
+def shows_faintly(better: Candidate, worse: Candidate) -> bool:
+    """
+    Tell whether score and cost fall beyond doubt, be it by a share that would not matter elsewhere.
+
+    For models without a fault that were fitted to every row. How much noise does not explain, and
+    so what share of that an effect takes, is not asked: the noise is known to some percent only.
+    """
+    fall, error = gain(worse, better)
+    return worse.fit.cost - better.fit.cost > FAINTEST_COST and fall > max(
+        FAINTEST_SCORE, STANDARD_ERRORS * error)
+
+
+def _seen_twice(better: Candidate, worse: Candidate) -> bool:
+    """
+    Tell whether fit and select segments show the same, and none shows the reverse.
+
+    What happens in one select segment only, a stem that reaches its seat, say, has a standard error
+    as large as itself. It counts if it takes nearly all that noise does not explain there, and in
+    the fit segments as well.
+    """
+    fitted, before = (one.fit.cost / max(one.problem.rows_counted(), 1) for one in (better, worse))
+    falls = worse.by_segment - better.by_segment
+    return (fitted - 1.0 < NEARLY_ALL * (before - 1.0)
+            and better.misfit - 1.0 < NEARLY_ALL * (worse.misfit - 1.0)
+            and float(falls.min()) > -NEARLY_ALL * float(falls.max()))
+
+
+def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
+    """
+    Return the candidates by score; of those not told apart from the best, the plainest first.
+
+    Those with a fault come last.
+    """
+    ranked = sorted(candidates, key=lambda c: (bool(c.fault), c.score))
+    if not ranked:
+        return ranked
+    ties = [c for c in ranked if c.fault == ranked[0].fault and not told_apart(c, ranked[0])]
+    ties.sort(key=lambda c: plainness(c, 0.0))
+    return ties + [c for c in ranked if c not in ties]
+
+
+def best_of_each(candidates: Iterable[Candidate]) -> dict[frozenset[str], Candidate]:
+    """Return the best of the models by their effects, in whatever order: by score, best first."""
+    best: dict[frozenset[str], Candidate] = {}
+    for one in sorted(candidates, key=lambda c: c.score):
+        best.setdefault(frozenset(one.effects), one)
+    return best
+
+
+def plainness(candidate: Candidate, behind: float) -> tuple[bool, int, int]:
+    """
+    Return what models that a record does not tell apart are ranked by, the plainest first.
+
+    Those that the data make unlikely, `behind` the best by too much cost, come last; then fewest
+    sizes; then the order of the catalogue, which lists common causes first.
+    """
+    order = list(EFFECTS)
+    return (behind > UNLIKELY, _sizes_shown(candidate),
+            sum(order.index(e) for e in candidate.effects))
+
+
+def _sizes_shown(candidate: Candidate) -> int:
+    """Return how many sizes of effects move the record by more than its noise."""
+    return sum(not free.knob.shape and not np.isfinite(free.sigma) and bool(seen)
+               for free, seen in zip(candidate.problem.freedoms, candidate.fit.seen))
+
+
+def told_apart(worse: Candidate, better: Candidate) -> bool:
+    """Tell whether the record prefers one model: by a standard error and a share that matters."""
+    fall, error = gain(worse, better)
+    return fall > TOO_SIMILAR * better.score and fall > error
+
+
+def why_dropped(candidate: Candidate, chosen: Candidate) -> str:
+    """Return why another model is not the chosen one; its own fault comes before any comparison."""
+    if candidate.fault:
+        return candidate.fault
+    lasting = chosen.lasting.difference(candidate.effects)
+    if lasting:
+        return f'without {" and ".join(sorted(lasting))} more is left of what no slip explains'
+    if set(chosen.effects) < set(candidate.effects):
+        return 'the added effect does not lower the held-back error enough'
+    if told_apart(candidate, chosen):
+        ratio = candidate.score / max(chosen.score, 1e-12)
+        return f'{ratio:.3g} times the squared error of the choice'
+    return 'not told apart from the choice by this record'

@@ -1,0 +1,129 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The positioner above its stem, driven by the measured stem.
+
+Packing friction makes a record nearly unpredictable in detail: which slip comes when decides what
+follows. A model of all that is driven by the measured current and the measured position knows no
+friction: it says what lies above the stem, in a fraction of the time.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.fitting.fit import Fit
+from booster_ros.diagnosis.fitting.freedom import Free
+from booster_ros.diagnosis.fitting.friction_start import best_friction
+from booster_ros.diagnosis.searching.candidate import Candidate
+from booster_ros.diagnosis.searching.search import EVALUATIONS, Search, as_given, carried
+from booster_ros.model.actuator import has_dry_friction
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.records.holding import bridged
+
+Array = np.ndarray
+
+WINDOW = 11
+"""Rows over which the measured position is smoothed to have a velocity."""
+
+THINNING = 3
+"""A driving position needs its rows closer together than a current that stands."""
+
+_PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
+_PARAMETERS = ('actuator.dead_volume',)
+_IMITATES = 'actuator.viscous_friction'
+
+
+def above_the_stem(experiment: Experiment) -> Experiment | None:
+    """
+    Return the experiment with position and velocity as drives and the pressure compared.
+
+    None where position or pressure was not measured, or rows are too few or too far apart for it.
+    """
+    both = {'chamber_pressure', 'valve_position'} <= set(experiment.measured)
+    if not both or experiment.pinned or experiment.quasi_static:
+        return None
+    if not np.isfinite(experiment.measured['valve_position']).any():
+        return None
+    interval = np.diff(experiment.time)
+    if len(interval) < 10 * WINDOW or np.max(interval) > 4.0 * np.median(interval):
+        return None
+    position = experiment.measured['valve_position']
+    whole = bridged(experiment.time, position)
+    step = float(np.median(interval))
+    return replace(
+        experiment,
+        measured={'chamber_pressure': experiment.measured['chamber_pressure']},
+        noise={'chamber_pressure': experiment.noise['chamber_pressure']},
+        pinned={'valve_position': savgol_filter(whole, WINDOW, 2),
+                'stem_velocity': savgol_filter(whole, WINDOW, 2, deriv=1, delta=step)})
+
+
+def shows_above_the_stem(name: str) -> bool:
+    """Tell whether an effect changes the pressure that belongs to a given motion of the stem."""
+    return EFFECTS[name].location in _PLACES or name.startswith('pressure_sensor')
+
+
+def free_above_the_stem(freedoms: tuple[Free, ...]) -> tuple[Free, ...]:
+    """Return the declared parameters that matter above the stem."""
+    return tuple(free for free in freedoms if free.knob.parameter in _PARAMETERS
+                 or free.knob.parameter.split('.')[0] in _PLACES)
+
+
+def search_above(search: Search) -> Search | None:
+    """Return the search above the stem, None where the record does not show that part alone."""
+    above = above_the_stem(search.experiment)
+    return None if above is None else replace(
+        search, experiment=above, freedoms=free_above_the_stem(search.freedoms),
+        thinning=THINNING)
+
+
+def search_above_friction(search: Search, fit: Fit) -> Search | None:
+    """Return the search above the stem where friction rules the stem, else None."""
+    return search_above(search) if has_dry_friction(fit.parameters.actuator) else None
+
+
+def fitted_above(search: Search, candidate: Candidate, roles: tuple[str, ...]) -> Candidate | None:
+    """
+    Return what a model has above a stem that sticks, as the measured stem tells it.
+
+    What was fitted before friction was in the model had imitated it, and a fit of all at once
+    stays there: which slip comes when makes its cost rough. Above the stem nothing is rough.
+    """
+    above = search_above_friction(search, candidate.fit)
+    if above is None:
+        return None
+    effects = tuple(e for e in candidate.effects if shows_above_the_stem(e))
+    upper = above.on(above.joint(above.problem(), effects), roles, above.thinning)
+    return above.rate(
+        effects, upper, upper.fit(as_given(upper, carried(upper, candidate.fit))))
+
+
+def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[str, ...]) -> Array:
+    """
+    Return z with what lies above a stem that sticks as fitted there.
+
+    Of the stem itself viscous friction had imitated the other kind: it is as declared, and that
+    other kind is sought anew.
+    """
+    upper = fitted_above(search, candidate, roles)
+    if upper is None:
+        return z
+    place = carried(candidate.problem, replace(candidate.fit, z=z), upper.fit)
+    for j, free in enumerate(candidate.problem.freedoms):
+        if free.knob.parameter == _IMITATES:
+            place[j] = 0.0
+    thin = search.on(candidate.problem, roles, search.thinning)
+    return min(place, best_friction(thin, place), key=thin.cost_through_slips)
+
+
+def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
+    """Return the model of a stem that sticks, fitted on from what is seen above the stem."""
+    problem = candidate.problem
+    start = as_seen_above(search, candidate, candidate.fit.z, ('fit',))
+    fit = problem.fit_through_slips(start, EVALUATIONS)
+    if fit.cost >= candidate.fit.cost:
+        return candidate
+    return search.refitted(candidate, fit)

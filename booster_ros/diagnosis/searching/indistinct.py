@@ -1,0 +1,75 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which effects a record cannot tell from one that it shows, whatever the noise of the day was.
+
+Model: were a fitted effect the truth, the record would be what the model predicts, and another
+effect in its place would leave in it what no parameter can imitate. Scaled by the noise, the sum
+of squares of that is what the other costs more than the truth, on average over all noise.
+
+1. the measured values are replaced by the prediction of the fit;
+2. the effect is taken out, all else stays;
+3. every other effect is screened in its place (see screening: projected off the sensitivities of
+   all other parameters, then a few steps, for effects are not linear).
+
+Where the cost is less than what makes a model unlikely, no fit to this record can decide.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.fitting.side_by_side import side_by_side
+from booster_ros.diagnosis.searching.screening import reference_at, screen
+from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
+
+_A_FREQUENCY = np.array([0.5])
+
+
+@dataclass(frozen=True)
+class Alike:
+    """An effect, what it would cost more than the one it stands in for, and where to fit it."""
+
+    effect: str
+    cost: float
+    problem: Problem
+    start: Array
+
+
+def alike(problem: Problem, fit: Fit, effect: str, present: tuple[str, ...],
+          others: tuple[str, ...]) -> list[Alike]:
+    """
+    Return the other effects by how much they would cost in the place of a fitted one, least first.
+
+    `problem` frees the parameters of `effect` and of those `present` beside it; `fit` is its fit.
+    """
+    shared = {knob.parameter for name in present for knob in EFFECTS[name].knobs}
+    mine = {knob.parameter for knob in EFFECTS[effect].knobs} - shared
+    kept = [j for j in range(len(fit.z)) if j >= len(problem.freedoms)
+            or problem.freedoms[j].knob.parameter not in mine]
+    rest = Problem(_as_predicted(problem, fit), problem.rows, problem.base, tuple(
+        problem.freedoms[j] for j in kept if j < len(problem.freedoms)))
+    around = [reference_at(rest, rest.at(fit.z[kept]))]
+    departures = problem.cost_of_priors(fit.z)
+
+    def one(name: str) -> Alike:
+        found = screen(rest, around, name, _A_FREQUENCY)
+        start = found.starts[0] if found.starts else fit.z[kept]
+        joint = replace(found.problem, experiment=problem.experiment)
+        return Alike(name, found.cost - departures, joint, start)
+
+    return sorted(side_by_side(one, others), key=lambda found: found.cost)
+
+
+def _as_predicted(problem: Problem, fit: Fit) -> Experiment:
+    """Return the experiment with the prediction of a fit where a value was measured."""
+    predicted = problem.predict(fit.z)
+    if predicted is None:
+        raise ValueError('the fitted model cannot run')
+    return replace(problem.experiment, measured={
+        name: np.where(np.isfinite(values), predicted[name], np.nan)
+        for name, values in problem.experiment.measured.items()})

@@ -1,0 +1,211 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""When terms without a name compete with the named effects, which is best, and its last fit."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment.segments import USED
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.searching.candidate import (
+    NEAR_NOISE, TOO_SIMILAR, Candidate, clearly_better, explains, told_apart)
+from booster_ros.diagnosis.searching.next_effect import FIRST_EVALUATIONS
+from booster_ros.diagnosis.searching.search import (
+    EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished)
+from booster_ros.diagnosis.searching.selection import WELL_EXPLAINED, Tried
+from booster_ros.diagnosis.searching.teaching import taught_what_it_missed
+from booster_ros.diagnosis.searching.unknown import (
+    UNNAMED, linear_reach, moved, terms, with_free_past)
+from booster_ros.model import discrepancy as term
+from booster_ros.model.actuator import has_dry_friction
+
+Array = np.ndarray
+
+MOSTLY = 0.03
+"""
+Share of the declared model's excess over noise below which no nameless term competes with a single
+name, nor with several where the stem sticks.
+"""
+
+FORESEEN = 0.2
+"""
+Share of it below which a term over time must do more: it says what was, not what comes. Above it a
+single name has explained little.
+"""
+
+FAITHFUL = 3.0
+"""The misfit that it must reach then; and where nothing drives the record, none counts."""
+
+WITHIN_REACH = 5.0
+POINTED_AT = 2.0
+"""Terms are tried that reach a cost up to so many times the least, by linear reckoning, and begun
+where it points up to this: where much is missing it is far off for the others."""
+
+LIKELY_TERMS = 4
+"""Terms that are fitted to their end: those that the first steps of a fit take furthest."""
+
+BEYOND = 0.5
+"""Share of what several named effects leave: a term that leaves less settles it. To exchange them
+takes as long as all that went before."""
+
+
+def best_terms(search: Search, tried: Tried) -> list[Candidate]:
+    """
+    Return the best model with a tabulated term, then those that this record cannot tell from it.
+
+    None where named effects explain the record. Of those that score nearly the same the first is
+    the one whose kind comes first in unknown.terms: converters creep and drift more often than
+    supplies sag. Beside named effects the select segments may teach a term over a state what the
+    fit segments could not, as they may teach those: names that compete here left more than noise
+    where they were fitted, or still did when taught.
+
+    Where no named effect helps and much is left, noise is no explanation either: then the terms
+    compete on fit and select segments together, for what is missing may show in some of them only.
+    Each has to explain there what a named effect has to, and one over time, which bends to all it
+    is fitted to, has to leave near the noise.
+    """
+    if not compete(tried):
+        return []
+    foreseen = bool(tried.chosen.effects) and leave_less(tried, FORESEEN)
+    candidates = []
+    for label, joint, z in _likely(search, tried.refit, foreseen):
+        fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))  # places differ by little
+        candidates.append(search.rate((UNNAMED + label,), joint, fit))
+    if tried.chosen.effects:
+        candidates = [one if over_time(one) else taught_what_it_missed(search, one) or one
+                      for one in candidates]
+    if foreseen:
+        candidates = [one for one in candidates
+                      if not over_time(one) or one.misfit < FAITHFUL]
+    if not candidates:
+        return []
+    best = min(candidates, key=lambda c: c.score)
+    if tried.chosen.effects or clearly_better(best, tried.refit):
+        return as_good(candidates, best)
+    refit = search.on_both(tried.refit, search.thinning)
+    together = [search.on_both(candidate, search.thinning) for candidate in candidates]
+    together = [one for one in together
+                if explains(one.fit, refit.fit, one.problem.rows_counted())]
+    together = [one for one in together if not over_time(one)
+                or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
+    least = min((one.fit.cost for one in together), default=0.0)
+    return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
+
+
+def compete(tried: Tried) -> bool:
+    """
+    Tell whether the named effects leave so much that terms without a name compete.
+
+    A single effect may leave a small share of what was missing, as the law behind a name is never
+    quite the valve's; several together bend to what none of them is, and leave noise or compete.
+    Friction is idealised, so where the stem sticks several may leave that share too, and a single
+    one WELL_EXPLAINED, which is what the declared model may where nothing was chosen.
+    """
+    chosen = tried.chosen
+    sticks, several = has_dry_friction(chosen.fit.parameters.actuator), len(chosen.effects) > 1
+    enough = NEAR_NOISE if several or (chosen.effects and not sticks) else WELL_EXPLAINED
+    nearly_all = chosen.effects and leave_less(tried, MOSTLY) and (sticks or not several)
+    return chosen.misfit >= enough and not nearly_all
+
+
+def leave_less(tried: Tried, share: float) -> bool:
+    """Tell whether named effects leave less than this share of the declared model's excess."""
+    return tried.held_out.misfit - 1.0 < share * (tried.refit.misfit - 1.0)
+
+
+def as_good(candidates: list[Candidate], best: Candidate) -> list[Candidate]:
+    """
+    Return those that score nearly as the best, in their order, then those not told from it.
+
+    One over time follows whatever happens, and says nothing of what comes: it stands behind one
+    over a state that does as well.
+    """
+    equal = [one for one in candidates if one.score < (1.0 + TOO_SIMILAR) * best.score]
+    equal.sort(key=over_time)
+    others = [one for one in candidates if one not in equal and not told_apart(one, best)]
+    return equal + sorted(others, key=lambda c: c.score)
+
+
+def preferable(unnamed: Candidate, tried: Tried) -> bool:
+    """
+    Tell whether the term without a name is the verdict, and not the named effects chosen.
+
+    Several effects together bend to much that none of them is, and one that leaves a good share of
+    what is missing has explained little: where such leave structure, one term in one place that
+    leaves less is the more honest word.
+    """
+    named = tried.held_out
+    if not tried.chosen.effects or clearly_better(unnamed, named):
+        return True
+    weak = len(tried.chosen.effects) > 1 or not leave_less(tried, FORESEEN)
+    return weak and named.misfit > FAITHFUL and unnamed.score < named.score
+
+
+def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
+    """
+    Tell whether no exchange of named effects is likely to do as well as a term does.
+
+    Several are left far behind by it, or it alone leaves noise.
+    """
+    if not unnamed or not tried.chosen.effects:
+        return False
+    term_alone_explains = unnamed[0].misfit < NEAR_NOISE and clearly_better(
+        unnamed[0], tried.held_out)
+    far_behind = unnamed[0].misfit < BEYOND * tried.held_out.misfit
+    return term_alone_explains or (len(tried.chosen.effects) > 1 and far_behind)
+
+
+def over_time(candidate: Candidate) -> bool:
+    """Tell whether a term without a name that follows the time alone was added."""
+    return any(one.endswith(f' over {term.VARIABLES[term.TIME]}') for one in candidate.effects)
+
+
+def term_alone(search: Search, candidate: Candidate, before: Fit) -> tuple[Problem, Fit]:
+    """
+    Return a term over time fitted with all else as the refit left it.
+
+    It says what was, not what comes: at any other time the model is what is left without it. Joint
+    with the term the declared parameters go to where they are right only as long as it lasts.
+    """
+    joint = search.on(candidate.problem, USED, 1)
+    declared = len(search.freedoms)
+    base = before.parameters._replace(discrepancy=joint.base.discrepancy)
+    problem = replace(joint, base=base, freedoms=joint.freedoms[declared:])
+    z = np.concatenate([np.zeros(len(problem.freedoms)), before.z[declared:]])
+    fit = problem.fit(z, evaluations=EVALUATIONS)
+    return problem, polished(problem, fit, WORTH_A_LAST_POLISHING)
+
+
+def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:
+    """
+    Return the terms worth a whole fit, in the order of unknown.terms: label, problem, first z.
+
+    Linear reckoning ranks them badly where a stem sits on its seat until it jumps, or where the
+    refit of the declared parameters has gone far to imitate what is missing. So the first steps of
+    a fit decide; of terms that rank badly they are from the parameters as given. Rows of a sweep
+    are no time in which anything could be forgotten.
+    """
+    experiment, thin = search.experiment, refit.problem
+    still = np.ptp(experiment.current) == 0.0 and all(
+        np.ptp(drive) == 0.0 for drive in experiment.pinned.values())
+    likely = [one for one in terms(experiment.channels) if one.place in search.places
+              and not (foreseen and still and one.variable == term.TIME)
+              and not (experiment.quasi_static and one.variable in term.CHANGE_OF)]
+    seen, _ = search.rows_and_experiment(USED, search.thinning)
+    reference = thin.at(refit.fit.z)
+    reached: dict[str, tuple[float, Array, Array, Problem]] = {}
+    for one in likely:  # the same term may be there with several pasts
+        reach = linear_reach(thin, reference, one, seen)
+        if one.label not in reached or reach[0] < reached[one.label][0]:
+            reached[one.label] = reach
+    least = min((cost for cost, *_ in reached.values()), default=0.0)
+    begun: dict[str, tuple[float, Problem, Array]] = {}
+    for label, (cost, z, move, joint) in reached.items():
+        if cost < WITHIN_REACH * least:
+            start = moved(joint, z, move) if cost < POINTED_AT * least else joint.start()
+            problem, start = with_free_past(joint, start)
+            first = problem.fit(start, evaluations=FIRST_EVALUATIONS)
+            begun[label] = (first.cost, problem, first.z)
+    furthest = sorted(begun, key=lambda label: begun[label][0])[:LIKELY_TERMS]
+    return [(label, *begun[label][1:]) for label in reached if label in furthest]

@@ -1,0 +1,357 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Screening: a quick joint fit of every effect with the declared parameters.
+
+Model: around a reference fit with residuals r(z) and Jacobian J of its variables z, an effect adds
+variables e. Judging an effect by how alike its trace and the residual are misleads, because the
+declared parameters can imitate part of it. So what they can imitate is projected off:
+
+1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
+2. let the reference variables react linearly: z ← z - J⁺ r, priors included; what remains is the
+   cost this size can reach;
+3. what remains runs nearly straight from size 0 to e: of the six that promise most try the size at
+   which it is least, as promises that are nearly the same are kept differently well;
+4. that reckoning fails where the variables react by much. So a few Gauss-Newton steps follow from
+   the best size, with J kept as it is and only the effect's own columns simulated anew (chord
+   steps): what they reach is no promise but a cost that was simulated. Not where the stem sticks:
+   slips that come and go are nothing to follow, and slow.
+
+Where they end, around each reference, is where a joint fit begins; also where they began, if they
+did not keep what linear reckoning promised there.
+"""
+
+from dataclasses import dataclass, replace
+import itertools
+
+import numpy as np
+from scipy.signal import periodogram
+
+from booster_ros.diagnosis.fitting.descent import straight
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.fitting.freedom import Free, effect_freedom, loosened
+from booster_ros.model.actuator import has_dry_friction
+from booster_ros.model.catalogue import EFFECTS, Effect
+
+Array = np.ndarray
+
+SIZES = (0.25, 1.0, 3.0)
+TYPICAL, SMALL = (1.0,), (0.25,)
+"""Multiples of the typical size that are tried; both signs where the effect has two."""
+
+CHORD_STEPS = 4
+CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
+"""Steps with the reference's Jacobian, and the parts of each that are tried."""
+
+LENGTHS = 6
+"""Trials that are simulated at the size at which what they leave should be least."""
+
+SHORTEST, LONGEST = 1e-3, 2.0
+"""That size, as a multiple of what was tried."""
+
+UNKEPT = 1.5
+"""Where they end this much above what linear reckoning promised, a fit begins there as well."""
+
+WORTH_A_STEP = 0.02
+"""They end when one lowers the cost by a smaller share."""
+
+DIFFERENCE = 1e-2
+"""In a size, for its column of the Jacobian."""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """
+    An effect, the problem with it added, where to fit from (best first), the costs there.
+
+    A cost was simulated there, or is what linear reckoning promised and the steps did not keep.
+    """
+
+    effect: str
+    problem: Problem
+    starts: tuple[Array, ...]
+    costs: tuple[float, ...]
+
+    @property
+    def cost(self) -> float:
+        """The least cost seen."""
+        return min(self.costs, default=float('inf'))
+
+
+def with_effect(problem: Problem, effect: Effect) -> Problem:
+    """Return the problem with what it can show of the effect free, behind what it has free."""
+    present = {(f.knob.parameter, f.element) for f in problem.freedoms}
+    added = tuple(f for f in effect_freedom(effect) if (f.knob.parameter, f.element) not in present
+                  and not (f.knob.clocked and problem.experiment.quasi_static))
+    kept = tuple(loosened(f, effect) for f in problem.freedoms) if added else problem.freedoms
+    return Problem(problem.experiment, problem.rows, problem.base, kept + added)
+
+
+def _with_sizes(problem: Problem, z: Array, e: Array) -> Array:
+    """Return z with the effect's variables between parameters and the start's."""
+    size = len(z) - problem.nuisances
+    return np.concatenate([z[:size], e, z[size:]])
+
+
+def _no_size(free: tuple[Free, ...]) -> Array:
+    """Return the variables of an effect of no size, its shapes at their typical values."""
+    return np.array([f.without_size for f in free])
+
+
+def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[float, ...]
+                  ) -> list[Array]:
+    """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
+    if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
+        return _oscillations(free, frequencies)
+    neutral = _no_size(free)
+    sizes = [j for j, f in enumerate(free) if not f.knob.shape]
+    steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
+    moves = [{j: step} for j in sizes for step in steps]
+    if len(sizes) == 2 and len(multiples) > 1:
+        moves += [dict(zip(sizes, pair)) for pair in itertools.product(multiples, repeat=2)]
+    rubs = [j for j in sizes if free[j].knob.parameter == 'actuator.coulomb_friction']
+    # break-away or bent-stem friction of a packing that hardly rubs is nothing that exists, and
+    # slow to simulate
+    moves = [move for move in moves
+             if all(abs(step) <= move.get(j, 0.0) for j in rubs for step in move.values())]
+    trials = []
+    for move in moves:
+        e = neutral.copy()
+        for j, step in move.items():
+            e[j] += step
+        if all(f.low <= value <= f.high for f, value in zip(free, e)):
+            trials.append(e)
+    return trials
+
+
+def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
+    """Return trials of an oscillation: the residual's strongest frequencies, four phases."""
+    names = [f.knob.parameter for f in free]
+    trials = []
+    for frequency in frequencies:
+        for phase in (0.0, 1.571, 3.142, -1.571):
+            e = _no_size(free)
+            e[names.index('supply.ripple')] = 0.5
+            e[names.index('supply.ripple_frequency')] = free[
+                names.index('supply.ripple_frequency')].variable(frequency)
+            e[names.index('supply.ripple_phase')] = free[
+                names.index('supply.ripple_phase')].variable(phase)
+            trials.append(e)
+    return trials
+
+
+ABOVE_NOISE = 15.0
+"""A line stands out if its power is so many times the median power: of noise, 1 in 30000 does."""
+
+PADDING = 8
+"""Frequencies are told to so many parts of what the record's length resolves: half of that off, an
+oscillation ends as far out of step as can be, and a fit stops at the wrong one."""
+
+
+def strong_frequencies(problem: Problem, z: Array) -> Array:
+    """Return the strongest frequencies, Hz, four at most, in what the first channel leaves."""
+    predicted = problem.predict(z)
+    time = problem.experiment.time
+    if predicted is None or len(time) < 32:
+        return np.array([0.5])
+    name = problem.experiment.channels[0]
+    residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
+    even = np.linspace(time[0], time[-1], len(time))  # thinned rows are dense where steps are
+    residual = np.interp(even, time, np.nan_to_num(residual))
+    frequency, power = periodogram(
+        residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear',
+        nfft=PADDING * len(residual))
+    # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
+    lines = np.maximum(power - ABOVE_NOISE * float(np.median(power)), 0.0)
+    lines[(frequency < 0.02) | (frequency > 15.0)] = 0.0
+    weighted = lines * frequency**2
+    found = []
+    for ranking in (weighted, lines):
+        ranking = ranking.copy()
+        for _ in range(2):
+            k = int(np.argmax(ranking))
+            found.append(float(frequency[k]))
+            ranking[max(k - 3 * PADDING, 0):k + 3 * PADDING + 1] = 0.0
+    return np.array(sorted(set(found) - {0.0}) or [0.5])
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A fit around which the declared parameters react linearly."""
+
+    z: Array
+    jacobian: Array
+    factors: tuple[Array, Array]
+    room: tuple[Array, Array]
+    residuals: Array
+    left: Array
+
+    def reaction(self, r: Array) -> Array:
+        """Return the step of z that leaves least of residuals r, within the bounds."""
+        return straight(*self.factors, r, self.room)
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """Variables with a size tried, their cost, and the size on that way that promises the least."""
+
+    z: Array
+    cost: float
+    length: Array
+    promised: float
+
+
+def reference_at(problem: Problem, fit: Fit) -> Reference:
+    low, high = problem.bounds()
+    z = np.clip(fit.z, low, high)
+    r = problem.residuals(z)
+    return _reference(z, r, fit.jacobian, (low - z, high - z))
+
+
+def _reference(z: Array, r: Array, jacobian: Array, room: tuple[Array, Array]) -> Reference:
+    bare = Reference(z, jacobian, np.linalg.qr(jacobian), room, r, r)
+    return replace(bare, left=r + jacobian @ bare.reaction(r))
+
+
+def _beside(reference: Reference, problem: Problem, joint: Problem) -> Reference:
+    """Return the reference with the priors that the declared parameters have beside the effect."""
+    ratios = np.array([before.sigma / after.sigma for before, after in zip(
+        problem.freedoms, joint.freedoms) if np.isfinite(before.sigma)])
+    if np.all(ratios == 1.0):
+        return reference
+    weights = np.ones(len(reference.residuals))
+    end = len(weights) - problem.nuisances
+    weights[end - len(ratios):end] = ratios
+    size = len(problem.freedoms)
+    low, high = (np.delete(ends, np.s_[size:len(joint.freedoms)]) for ends in joint.bounds())
+    z = reference.z
+    return _reference(z, weights * reference.residuals, weights[:, None] * reference.jacobian,
+                      (low - z, high - z))
+
+
+def references(problem: Problem, fit: Fit) -> list[Reference]:
+    """
+    Return what to screen around: the fit, and the same effects with the parameters as given.
+
+    A refit without the effect may have bent the declared parameters so far to imitate it that
+    the true ones are out of linear reach; the given ones are near them.
+    """
+    given = problem.start()
+    for j, free in enumerate(problem.freedoms):
+        if not np.isfinite(free.sigma):
+            given[j] = fit.z[j]
+    return [reference_at(problem, fit), reference_at(problem, problem.at(given))]
+
+
+def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
+           few: bool = False) -> Screened:
+    """Return the quick joint fit of one effect on top of a fitted problem; `few` sizes only."""
+    joint = with_effect(problem, EFFECTS[name])
+    free = joint.freedoms[len(problem.freedoms):]
+    low, high = joint.bounds()
+    starts: list[Array] = []
+    costs: list[float] = []
+    for reference in (_beside(one, problem, joint) for one in around):
+        best, lowest = None, float('inf')
+        trials = [_tried(problem, joint, reference, e)
+                  for e in _sizes_to_try(free, frequencies, TYPICAL if few else SIZES)]
+        further = sorted(trials, key=lambda trial: trial.promised)[:LENGTHS]
+        for trial in (*trials, *(_lengthened(problem, joint, reference, t) for t in further)):
+            if trial.cost < lowest:
+                best, lowest = trial.z, trial.cost
+        if best is not None:
+            found = [(lowest, np.clip(best, low, high))]
+            if not few and not has_dry_friction(joint.parameters(found[0][1]).actuator):
+                reached = _chord(problem, joint, reference, found[0][1])
+                # a promise that the steps did not keep may still be kept by a fit
+                kept = reached[0] < UNKEPT * lowest
+                found = [reached] if kept else [*found, reached]
+            for cost, start in found:
+                if not any(np.allclose(start, other, rtol=1e-3) for other in starts):
+                    starts.append(start)
+                    costs.append(cost)
+    order = np.argsort(costs)
+    return Screened(name, joint, tuple(starts[k] for k in order), tuple(costs[k] for k in order))
+
+
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """What an effect promises by linear reckoning: the cost, and where to fit from."""
+
+    effect: str
+    problem: Problem
+    start: Array
+    cost: float
+
+
+def promise(problem: Problem, reference: Reference, name: str, frequencies: Array
+            ) -> Promise | None:
+    """
+    Return what an effect promises on top of a fit, by a simulation of each of its sizes alone.
+
+    For small effects: from a small size to the one that promises most its trace runs straight. None
+    where it has no size to try.
+    """
+    joint = with_effect(problem, EFFECTS[name])
+    reference = _beside(reference, problem, joint)
+    trials = [_tried(problem, joint, reference, e) for e in _sizes_to_try(
+        joint.freedoms[len(problem.freedoms):], frequencies, SMALL)]
+    if not trials:
+        return None
+    best = min(trials, key=lambda trial: trial.promised)
+    return Promise(name, joint, _with_sizes(problem, reference.z, best.length), best.promised)
+
+
+def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
+           ) -> tuple[Array, Array]:
+    """Return what remains of the residuals at sizes e when all else reacts, and z there."""
+    r = joint.residuals(_with_sizes(problem, reference.z, e))
+    step = reference.reaction(r)
+    return r + reference.jacobian @ step, _with_sizes(problem, reference.z + step, e)
+
+
+def _tried(problem: Problem, joint: Problem, reference: Reference, e: Array) -> _Trial:
+    """Return what sizes e reach, and what sizes on the way from none to e and beyond promise."""
+    free = joint.freedoms[len(problem.freedoms):]
+    left, z = _reach(problem, joint, reference, e)
+    change = left - reference.left
+    share = -float(reference.left @ change) / max(float(change @ change), 1e-300)
+    share = min(max(share, SHORTEST), LONGEST)
+    neutral = np.where([f.knob.shape for f in free], e, _no_size(free))
+    length = np.clip(neutral + share * (e - neutral), [f.low for f in free], [f.high for f in free])
+    promised = reference.left + share * change
+    return _Trial(z, float(left @ left), length, float(promised @ promised))
+
+
+def _lengthened(problem: Problem, joint: Problem, reference: Reference, trial: _Trial) -> _Trial:
+    """Return the trial at the size that promised most."""
+    left, z = _reach(problem, joint, reference, trial.length)
+    return replace(trial, z=z, cost=float(left @ left))
+
+
+def _chord(problem: Problem, joint: Problem, reference: Reference, z: Array
+           ) -> tuple[float, Array]:
+    """Return the cost that chord steps from z reach, and z there."""
+    first = len(problem.freedoms)
+    low, high = joint.bounds()
+    r = joint.residuals(z)
+    cost = float(r @ r)
+    for _ in range(CHORD_STEPS):
+        columns = []
+        for j in range(first, len(joint.freedoms)):
+            moved = z.copy()
+            moved[j] += DIFFERENCE if z[j] + DIFFERENCE <= high[j] else -DIFFERENCE
+            columns.append((joint.residuals(moved) - r) / (moved[j] - z[j]))
+        jacobian = np.column_stack(
+            [reference.jacobian[:, :first], *columns, reference.jacobian[:, first:]])
+        step = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
+        before = cost
+        for share in CHORD_SHARES:
+            trial = np.clip(z + share * step, low, high)
+            found = joint.residuals(trial)
+            if float(found @ found) < cost:
+                z, r, cost = trial, found, float(found @ found)
+                break
+        if before - cost < WORTH_A_STEP * before:
+            break
+    return cost, z

@@ -1,0 +1,56 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the select segments alone can teach a model: a limit that no fit segment reached, say.
+
+A model that leaves noise wherever it was fitted may miss a segment that it was not fitted to. That
+is no fault of what was added to it. So it is fitted to that as well, and counts if it leaves noise
+in each segment then; the locked part stays closed.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.searching.candidate import NEAR_NOISE, Candidate
+from booster_ros.diagnosis.searching.search import Search
+from booster_ros.model.actuator import has_dry_friction
+
+PLAUSIBLE = 12.0
+"""Sum of squared departures of the declared parameters that their priors still allow."""
+
+PATCH = 1.3
+"""Mean square misfit of a single segment up to which it is noise."""
+
+
+def fitted_to_noise(candidate: Candidate) -> bool:
+    """Tell whether a model leaves noise where it was fitted."""
+    return candidate.fit.cost < NEAR_NOISE * candidate.problem.rows_counted()
+
+
+def taught(search: Search, candidate: Candidate) -> Candidate | None:
+    """
+    Return the same model fitted to the select segments as well, if that leaves noise.
+
+    Then nothing is missing. It must be noise in each of them: what shows in few is no noise. Where
+    the stem sticks only if the fit segments are noise already: that fit takes long.
+    """
+    if has_dry_friction(candidate.fit.parameters.actuator) and not fitted_to_noise(candidate):
+        return None
+    both = search.on_both(candidate, search.thinning)
+    noise = fitted_to_noise(both) and (
+        both.by_segment <= PATCH * search.values_held_back()).all()
+    return both if noise and _departures(both) < PLAUSIBLE else None
+
+
+def _departures(candidate: Candidate) -> float:
+    """Return the sum of squared departures of the declared parameters, whatever a table holds."""
+    return sum((z / free.sigma)**2 for z, free in zip(candidate.fit.z, candidate.fit.freedoms)
+               if np.isfinite(free.sigma) and free.knob.parameter != 'discrepancy.values')
+
+
+def taught_what_it_missed(search: Search, candidate: Candidate) -> Candidate | None:
+    """Return a model taught, if all that it misses is what it was not fitted to."""
+    misses = candidate.misfit > NEAR_NOISE and fitted_to_noise(candidate)
+    both = taught(search, candidate) if misses and not candidate.fault else None
+    return both and replace(both, confirmed=candidate.confirmed, lasting=candidate.lasting)

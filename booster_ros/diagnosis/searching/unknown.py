@@ -1,0 +1,304 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A discrepancy without a name: which component lacks what, as a function of what.
+
+A tabulated term (model/discrepancy) is tried in every component over the variables that a missing
+effect there would depend on. Its values enter nearly linearly, so one simulation per knot and one
+linear solve, with the declared parameters reacting, tell what each can reach. What follows a change
+is tried with a few times of memory, what follows a play with a few widths of it, and fitted from
+the best of them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
+from booster_ros.diagnosis.fitting.descent import straight
+from booster_ros.diagnosis.fitting.fit import START, Fit, Problem
+from booster_ros.diagnosis.fitting.freedom import Free
+from booster_ros.model import discrepancy as term
+from booster_ros.model.booster import diaphragm_force
+from booster_ros.model.catalogue import Knob
+from booster_ros.model.discrepancy import (
+    KNOTS, Discrepancy, covered, past_at_rest, place_in_play)
+from booster_ros.model.sensors import lagged
+from booster_ros.model.system import PAST_UNIT, PositionerParameters
+from booster_ros.records.holding import bridged
+
+Array = np.ndarray
+
+# What a term may depend on in each component, and a size of it that a record shows. The commoner
+# kind first: chambers leak more often than a relay's forces depend on the pressure behind it.
+_TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
+    (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
+    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
+    (term.BOOSTER, 0.002, (term.FORCE_PLAY,)),
+    (term.SUPPLY, 1e3, (term.TIME,)),
+    (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY,
+                          term.PRESSURE_CHANGE)),
+    (term.BOOSTER, 0.01, (term.CHAMBER_PRESSURE,)),
+    (term.CHAMBER_VOLUME, 2e-5, (term.VALVE_POSITION, term.CHAMBER_PRESSURE)),
+    (term.STEM, 200.0,
+     (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE, term.POSITION_CHANGE,
+      term.TIME)),
+    (term.PRESSURE_SENSOR, 1e3, (term.CHAMBER_PRESSURE, term.TIME)),
+    (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
+)
+
+TIMES_OF_MEMORY = (3.0, 12.0, 48.0)
+"""Times of memory of a change that are tried, s: a fit goes on from the nearest."""
+
+LONGER = 1.5
+"""What a fitted memory may come to be longer by before the table ends too early."""
+
+SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
+"""Bounds of a fitted one, s: a shorter one is a lag, of a longer one no record shows the end."""
+
+REACHES = (0.003, 0.01, 0.03)
+"""Halves of the width of a play of the booster's force that are tried, N: as memories are."""
+
+SHORTEST_REACH, LONGEST_REACH = 5e-4, 0.2
+"""Bounds of a fitted one, N: a shorter one is 0.2 kPa in the chamber, a longer one all that opens
+a seat of the paper's booster."""
+
+UNNAMED = 'unknown: '
+"""Before the label of a term, where models are listed by their effects."""
+
+_PLACES = {
+    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber'}
+"""Locations as reports print them, where they differ from the table's."""
+
+SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
+"""Parts of the linear move that are tried: far away the model bends."""
+
+WIDEST = 1.0
+"""
+Standard deviation of the prior on a value, in sizes that show: keeps unseen knots near zero, and
+leaves to the declared parameters what stays the same everywhere. They hold beyond the table too.
+"""
+
+
+@dataclass(frozen=True)
+class Term:
+    """
+    A place for a discrepancy: component, variable, a size that shows.
+
+    And what it has of a past: the memory of a change, s, the reach of a play, N.
+    """
+
+    location: int
+    variable: int
+    size: float
+    memory: float = Discrepancy().memory
+    reach: float = Discrepancy().reach
+
+    @property
+    def place(self) -> str:
+        """Return its location as effects and reports have it."""
+        return place_of(self.location)
+
+    @property
+    def label(self) -> str:
+        """Return 'component over variable'."""
+        return label_of(self.location, self.variable)
+
+
+def label_of(location: int, variable: int) -> str:
+    """Return 'component over variable' of a term, by its numbers in a table."""
+    return f'{term.LOCATIONS[location]} over {term.VARIABLES[variable]}'
+
+
+def place_of(location: int) -> str:
+    """Return the location of a term, by its number in a table, as effects and reports have it."""
+    name = term.LOCATIONS[location]
+    return _PLACES.get(name, name)
+
+
+def terms(channels: tuple[str, ...]) -> list[Term]:
+    """Return the terms worth trying with these compared channels."""
+    absent = set()
+    if 'chamber_pressure' not in channels:
+        absent.add(term.PRESSURE_SENSOR)
+    if 'valve_position' not in channels:
+        absent |= {term.POSITION_SENSOR, term.STEM}
+    return [one for location, size, variables in _TERMS
+            for variable in variables if location not in absent
+            for one in _with_pasts(Term(location, variable, size))]
+
+
+def _with_pasts(one: Term) -> list[Term]:
+    """Return the term with each past that is tried; itself where it has none."""
+    if one.variable in term.CHANGE_OF:
+        return [replace(one, memory=memory) for memory in TIMES_OF_MEMORY]
+    if one.variable == term.FORCE_PLAY:
+        return [replace(one, reach=reach) for reach in REACHES]
+    return [one]
+
+
+def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array], past: float = 0.0
+             ) -> Array:
+    """
+    Return the variable of the term in these parameters over time (s), shape (n,).
+
+    `columns` are channels of a run or a record; what a change is one of must be among them, of a
+    play of the booster's force all that makes up that. `past` is that of the start's `Departure`.
+    Of a change of the current that is the one given, which a dead time or a hysteresis hides from
+    the model for a while.
+    """
+    table = p.discrepancy
+    if term.has_play(table):
+        return _places_in_play(p, columns, past * PAST_UNIT[term.FORCE_PLAY])
+    if table.variable not in term.CHANGE_OF:
+        return columns[term.VARIABLES[table.variable]]
+    now = columns[term.VARIABLES[term.CHANGE_OF[table.variable]]]
+    remembered = np.empty(len(now))
+    remembered[0] = now[0] + past * PAST_UNIT[table.variable]
+    stands = table.variable == term.CURRENT_CHANGE  # a command stands until the next
+    for k in range(1, len(now)):
+        step, end = time[k] - time[k - 1], now[k - 1] if stands else now[k]
+        remembered[k] = remembered[k - 1] if step <= 0.0 else lagged(
+            remembered[k - 1], now[k - 1], end, table.memory, step)
+    return now - remembered
+
+
+def _places_in_play(p: PositionerParameters, columns: Mapping[str, Array], past: float) -> Array:
+    """Return where in its play the booster's force stands row by row, -1 to 1, shape (n,)."""
+    pressures = np.column_stack(
+        [columns[name] for name in ('back_pressure', 'outlet_pressure', 'supply_pressure')])
+    places = np.empty(len(pressures))
+    for k, (back, outlet, supply) in enumerate(pressures.tolist()):
+        force = diaphragm_force(p.booster, back, outlet, supply)
+        if k == 0:
+            past += past_at_rest(p.discrepancy, force)
+        places[k] = place_in_play(p.discrepancy, past, force)
+        past = force - p.discrepancy.reach * places[k]
+    return np.clip(places, -1.0, 1.0)  # but for rounding they are
+
+
+def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParameters,
+           initial: Initial) -> Array:
+    """Tell of each row, shape (n,), whether a run takes the variable of its term beyond `seen`."""
+    run = experiment.simulate(p, initial)
+    course = followed(p, experiment.time, run.columns, initial.departure.past)
+    return (course < seen[0]) | (course > seen[1])
+
+
+def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
+    """
+    Return the problem with the table's inner values free, over the range in the rows `seen`.
+
+    As it was measured, where it was: a model without the term may stay within half of that. The
+    rows are to hold those between the fitted ones as well: the table is zero beyond its range, and
+    a run that leaves it comes back with a chamber that knows nothing of the term. Of a change the
+    range is that of a longer memory, as a fit may find one; that of a play is its own.
+    """
+    empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
+    low, high = -1.0, 1.0
+    if one.variable != term.FORCE_PLAY:
+        longer = empty._replace(memory=LONGER * one.memory)
+        values = _course(problem.experiment, reference, longer, seen)
+        low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
+    spacing = max((high - low) / (KNOTS - 3), 1e-12)
+    table = empty._replace(low=float(low - spacing), high=float(high + spacing))
+    knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
+    values_free = tuple(
+        Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
+    return Problem(problem.experiment, problem.rows, problem.base._replace(discrepancy=table),
+                   problem.freedoms + values_free)
+
+
+def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
+    """
+    Return the variable of a term as measured, as simulated where those rows have none.
+
+    What a change is one of goes straight on across a gap.
+    """
+    name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
+    values = experiment.measured.get(name)
+    if values is None or not np.isfinite(values[seen]).any():
+        values = experiment.simulate(reference.parameters, reference.initial)[name]
+    elif table.variable in term.CHANGE_OF:
+        values = bridged(experiment.time, values)
+    p = reference.parameters._replace(discrepancy=table)
+    return followed(p, experiment.time, {name: np.asarray(values)})
+
+
+def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
+    """Return problem and z with the memory of a change, or the reach of a play, free as well."""
+    table = joint.base.discrepancy
+    if table.variable in term.CHANGE_OF:
+        name, begin, low, high = 'memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY
+    elif term.has_play(table):
+        name, begin, low, high = 'reach', table.reach, SHORTEST_REACH, LONGEST_REACH
+    else:
+        return joint, z
+    where = len(joint.freedoms)
+    free = Free(Knob(f'discrepancy.{name}', begin, low, high, begin, shape=True), begin, begin)
+    return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
+
+
+def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
+    """
+    Return the problem with a table that fades to zero no more steeply than it runs as fitted.
+
+    A leak that grows along the travel does not vanish just beyond the last position seen: a valve
+    that goes there would meet a step which no record showed. No fade is longer than the table.
+    Nothing is beyond a play.
+    """
+    table = fit.parameters.discrepancy
+    if term.has_play(table):
+        return problem
+    first, last = covered(table)
+    inner = np.array(table.values[1:-1])
+    spacing = (last - first) / (KNOTS - 3)
+    steepest = max(float(np.abs(np.diff(inner)).max()) / spacing, 1e-300)
+    below, above = (
+        float(np.clip(abs(end) / steepest, spacing, last - first)) for end in inner[[0, -1]])
+    gentle = problem.base.discrepancy._replace(
+        low=first - below, high=last + above, fade_below=below, fade_above=above)
+    return replace(problem, base=problem.base._replace(discrepancy=gentle))
+
+
+def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
+                 ) -> tuple[float, Array, Array, Problem]:
+    """
+    Return what a term can reach by linear reckoning.
+
+    The cost, z with a table of zeros, the move in z that is to be tried, and the term's problem.
+    """
+    joint = with_term(problem, reference, one, seen)
+    where = len(problem.freedoms)
+    z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
+    r = joint.residuals(z)
+    columns = []
+    for j in range(where, where + KNOTS - 2):
+        moved = z.copy()
+        moved[j] += 0.1
+        columns.append((joint.residuals(moved) - r) / 0.1)
+    data = problem.rows_counted()
+    jacobian = np.zeros((len(r), len(z)))
+    outer = np.r_[0:where, where + KNOTS - 2:len(z)]
+    jacobian[:data, outer] = reference.jacobian[:data]
+    for j, column in zip(range(where, where + KNOTS - 2), columns):
+        jacobian[:, j] = column
+    for j, free in enumerate(joint.freedoms):
+        if np.isfinite(free.sigma) and j < where:
+            row = data + sum(np.isfinite(f.sigma) for f in joint.freedoms[:j])
+            jacobian[row, j] = 1.0 / free.sigma
+    tail = joint.nuisances
+    for j in range(tail):
+        jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / START[j]
+    low, high = joint.bounds()
+    move = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
+    left = r + jacobian @ move
+    return float(left @ left), z, move, joint
+
+
+def moved(joint: Problem, z: Array, move: Array) -> Array:
+    """Return z after that part of the move which costs least, within the bounds."""
+    low, high = joint.bounds()
+    places = [np.clip(z + share * move, low, high) for share in SHARES]
+    return min(places, key=lambda place: float(np.sum(joint.residuals(place)**2)))
