@@ -25,7 +25,7 @@ from booster_ros.measured.records import (
     SIGNATURE,
 )
 from booster_ros.paper.printed import FLOW_UNIT, table_1
-from booster_ros.report.wording import channel_label
+from booster_ros.report.names import channel_label
 
 SLOW = pytest.mark.skipif(
     'BOOSTER_ROS_ALL_SAMPLES' not in os.environ, reason='minutes: BOOSTER_ROS_ALL_SAMPLES=1')

@@ -26,7 +26,8 @@ from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_gentle_
 from booster_ros.model import discrepancy as term
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
-from booster_ros.report.wording import unknown_rivals, verdict_sentences
+from booster_ros.report.unknown_term import unknown_rivals
+from booster_ros.report.wording import verdict_sentences
 
 SAMPLES = 1000
 DRIFTING = UNNAMED + 'ep_converter over time'

@@ -47,7 +47,8 @@ from booster_ros.report.parameter_files import write_parameter_files
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.tables import declared_table, effect_table
 from booster_ros.report.view import View
-from booster_ros.report.wording import error_scale, verdict_sentences, verdict_title
+from booster_ros.report.errors import error_scale
+from booster_ros.report.wording import verdict_sentences, verdict_title
 
 FROM = Provenance('plant.csv', 'declared.yaml')
 JUDGED = Provenance('plant.csv', 'declared.yaml', 'other.csv')

@@ -16,9 +16,8 @@ from ..paper.indices import StepIndices
 from ..paper.printed import PrintedIndex
 from ..paper.table_three import Suspect as IndexSuspect
 from ..report.engineering import Scale, digits_apart, number, si_text
-from ..report.wording import (
-    capital, channel_label, effect_label, listing, verdict_sentences, verdict_title,
-    with_what_was_added)
+from ..report.names import capital, channel_label, effect_label, listing
+from ..report.wording import verdict_sentences, verdict_title, with_what_was_added
 from . import remarks
 from .records import MeasuredRecord
 from .supplies import SPLITS, Prediction, left_out

@@ -13,7 +13,7 @@ from ..diagnosis.result import AS_GOOD_AS_MEASURED, Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
 from ..paper.table_three import Suspect as IndexSuspect
 from ..report.engineering import number, si_text
-from ..report.wording import effect_label, listing
+from ..report.names import effect_label, listing
 from .records import CHAMBERS, FLOW_BENCH, FLOW_BENCH_WITHOUT_100, SIGNATURE, MeasuredRecord
 from .supplies import MODELS, SPLITS, Prediction, left_out
 

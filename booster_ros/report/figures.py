@@ -15,7 +15,7 @@ from booster_ros.report.explanation import binned_mean
 from booster_ros.report.figure_style import (
     AFTER, BEFORE, MEASURED, NOISE, blank, over_time, role_strip, shade_locked, thin)
 from booster_ros.report.view import View, axis_label, scale
-from booster_ros.report.wording import channel_label
+from booster_ros.report.names import channel_label
 
 Array = np.ndarray
 

@@ -22,9 +22,11 @@ from booster_ros.report.provenance import Provenance
 from booster_ros.report.tables import (
     declared_table, effect_table, error_table, shown_suspects, suspect_table)
 from booster_ros.report.view import VARIABLES, View
+from booster_ros.report.errors import scored
+from booster_ros.report.names import capital, channel_label, effect_label, listing, place_label
+from booster_ros.report.unknown_term import unknown_experiment, unknown_rivals
 from booster_ros.report.wording import (
-    SCALING, capital, channel_label, effect_label, listing, place_label, scored,
-    unknown_experiment, unknown_rivals, verdict_sentences, verdict_title, with_what_was_added)
+    SCALING, verdict_sentences, verdict_title, with_what_was_added)
 
 _ROLES = {
     'fit': 'fitted', 'select': 'chose between models',

@@ -12,8 +12,8 @@ from booster_ros.diagnosis.experiment.experiment import Experiment
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm)
 from booster_ros.report.provenance import Provenance
-from booster_ros.report.wording import (
-    SCALING, unknown_experiment, verdict_sentences, verdict_title)
+from booster_ros.report.unknown_term import unknown_experiment
+from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
 
 
 def json_text(diagnosis: Diagnosis, provenance: Provenance) -> str:

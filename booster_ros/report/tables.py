@@ -12,7 +12,8 @@ from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.report.engineering import (
     Scale, digits_apart, number, scale_of, si_text, side_by_side)
 from booster_ros.report.markup import cell, number_cell, row, table
-from booster_ros.report.wording import channel_label, effect_label, error_scale
+from booster_ros.report.errors import error_scale
+from booster_ros.report.names import channel_label, effect_label
 
 MOST_SUSPECTS = 12
 

@@ -13,7 +13,8 @@ from booster_ros.diagnosis.result import Diagnosis
 from booster_ros.diagnosis.searching.unknown import followed
 from booster_ros.model import discrepancy
 from booster_ros.report.engineering import Scale, scale_of
-from booster_ros.report.wording import channel_label, with_what_was_added
+from booster_ros.report.names import channel_label
+from booster_ros.report.wording import with_what_was_added
 
 Array = np.ndarray
 

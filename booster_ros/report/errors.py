@@ -1,0 +1,146 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the models miss a record by, in sentences."""
+
+from collections.abc import Mapping
+import math
+
+import numpy as np
+
+from booster_ros.diagnosis.experiment.segments import rows_of
+from booster_ros.diagnosis.result import AS_GOOD_AS_MEASURED, ChannelError, Diagnosis
+from booster_ros.report.engineering import Scale, number, side_by_side
+from booster_ros.report.names import channel_label, channel_listing, listing
+
+WORSE = 1.05
+"""Error after, relative to before, from which data not fitted speak against what was added."""
+
+CONFIRMED = 0.9
+"""Where something is missing, error after, relative to before, up to which what was added has a
+share in that."""
+
+FEW = 25
+"""Values of a channel in the locked part below which their number is said."""
+
+UNSEEN = 'that no step of this analysis had seen'
+
+
+def error_scale(error: ChannelError) -> Scale:
+    """Return the unit in which a channel's errors and its noise are read side by side."""
+    return side_by_side(error.unit, (error.declared, error.before, error.after, error.noise))
+
+
+def scored(errors: Mapping[str, ChannelError]) -> dict[str, ChannelError]:
+    """Return the errors of the channels that could be compared."""
+    return {name: error for name, error in errors.items() if math.isfinite(error.after)}
+
+
+def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
+    """Return the errors that judge the models: on held-out data where any of it could be scored."""
+    return scored(diagnosis.held_out) or diagnosis.error
+
+
+def reaches_noise(errors: Mapping[str, ChannelError]) -> bool:
+    """Tell whether the last model leaves no more than noise in any channel."""
+    return all(_is_noise(error) for error in errors.values())
+
+
+def sentence_on_misses(diagnosis: Diagnosis) -> str:
+    """Return by how much the refitted model with nothing added misses."""
+    refitted = listing([
+        f'{channel_label(name)} by {error_scale(e).text(e.before)} (noise '
+        f'{error_scale(e).text(e.noise)})' for name, e in judged(diagnosis).items()])
+    return f'Refitted within its tolerances it misses {refitted}, {_where(diagnosis)}.'
+
+
+def sentences_on_gain(diagnosis: Diagnosis) -> list[str]:
+    """Return what the error comes to with what was added, and what speaks against that."""
+    errors = judged(diagnosis)
+    changes = listing([
+        f'{channel_label(name)} from {error_scale(e).text(e.before)} to '
+        f'{error_scale(e).text(e.after)} (noise {error_scale(e).text(e.noise)})'
+        for name, e in errors.items()])
+    falls = all(e.after < e.before for e in errors.values())
+    gain = f'With it the error {"falls" if falls else "goes"} in {changes}, {_where(diagnosis)}.'
+    if not scored(diagnosis.held_out):
+        return [gain]
+    if not _missing(errors):
+        gain = (f'Data {_unseen(diagnosis)} need nothing added, and so do not confirm it: there '
+                f'the error goes in {changes}.')
+    return [gain, *_doubts(errors)]
+
+
+def sentences_on_rest(diagnosis: Diagnosis) -> list[str]:
+    """Return a sentence on the channels in which more than noise is left, if there are any."""
+    left = _left(judged(diagnosis))
+    return [f'It leaves {listing(left)}: that is not explained.'] if left else []
+
+
+def sentences_on_other_record(diagnosis: Diagnosis) -> list[str]:
+    """Return how the model does on the record that only judges, if there is one."""
+    errors = scored(diagnosis.validation)
+    if not errors:
+        return []
+    added = diagnosis.added
+    model = 'With it the model' if added else 'The refitted model'
+    left = listing(_left(errors, compared=added))
+    if left:
+        hidden = not added and reaches_noise(judged(diagnosis))
+        what = ': something is missing there that this record does not show' if hidden else ''
+        said = f'{model} misses the other record by {left}{what}.'
+    else:
+        needless = ', which needs nothing added' if added and not _missing(errors) else ''
+        said = f'{model} meets {channel_listing(errors)} of the other record{needless}.'
+    return [said, *(_doubts(errors) if added else ())]
+
+
+def _doubts(errors: Mapping[str, ChannelError]) -> list[str]:
+    """Return a sentence where data that were not fitted speak against what was added, if any do."""
+    rising = [name for name, error in errors.items()
+              if error.after > WORSE * max(error.before, error.noise)]
+    if rising:
+        return [f'There the error rises with it in {channel_listing(rising)}: trust it less.']
+    missing = _missing(errors)
+    if missing and all(error.after >= CONFIRMED * error.before for error in missing):
+        return ['There as much is missing with it as without: that does not confirm it.']
+    return []
+
+
+def _missing(errors: Mapping[str, ChannelError]) -> list[ChannelError]:
+    """Return the errors beyond noise that the model has with nothing added."""
+    return [error for error in errors.values()
+            if error.before > AS_GOOD_AS_MEASURED * error.noise]
+
+
+def _left(errors: Mapping[str, ChannelError], compared: bool = False) -> list[str]:
+    """Return how much is left in each channel in which that is more than noise."""
+    return [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
+            + (f' ({number(e.before / e.noise, 2)} without it)' if compared else '')
+            for name, e in errors.items() if not _is_noise(e)]
+
+
+def _where(diagnosis: Diagnosis) -> str:
+    if not scored(diagnosis.held_out):
+        return 'on the data it was fitted to'
+    return f'on data {_unseen(diagnosis)}{_how_few(diagnosis)}'
+
+
+def _how_few(diagnosis: Diagnosis) -> str:
+    """Return how little there is in the locked part, where it is; of a sweep each row is much."""
+    experiment = diagnosis.experiment
+    locked = rows_of(list(diagnosis.segments), ('test',), len(experiment.time))
+    values = max(int(np.isfinite(measured[locked]).sum())
+                 for measured in experiment.measured.values())
+    if experiment.quasi_static or values >= FEW:
+        return ''
+    return f', of which there are {values} in a channel at the most'
+
+
+def _unseen(diagnosis: Diagnosis) -> str:
+    """Return what the locked part is: where it has decided, it has been seen."""
+    return 'that nothing was fitted to, but that had a say in the verdict' if diagnosis.decided \
+        else UNSEEN
+
+
+def _is_noise(error: ChannelError) -> bool:
+    return error.after <= AS_GOOD_AS_MEASURED * error.noise

@@ -1,0 +1,79 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A term without a name in sentences: what it is, what else it may be, what would show it."""
+
+from collections.abc import Mapping
+
+from booster_ros.diagnosis.result import (
+    WORTH_SAYING, ChannelError, Diagnosis, Refused, UnknownTerm)
+from booster_ros.report.engineering import number, scale_of, side_by_side
+from booster_ros.report.errors import UNSEEN
+from booster_ros.report.names import channel_label, effect_label, listing, place_label
+
+
+def sentence_on_unknown(unknown: UnknownTerm) -> str:
+    """Return what a term depends on, where it was seen and how it stands in the model."""
+    variable, size = scale_of(unknown.variable_unit), scale_of(unknown.unit)
+    if unknown.reach is not None:
+        width = size.text(2.0 * unknown.reach)
+        inner = unknown.values[1:-1]
+        rubs = size.text(0.5 * float(inner.max() - inner.min()))
+        return (
+            f'What the booster opens seems to follow its force through a play {width} wide, as '
+            f'where {rubs} of friction hold its diaphragms. It is in the model as a table over '
+            'the place in that play.')
+    largest = max((float(v) for v in unknown.values), key=abs)
+    over_time = unknown.variable == 'time'
+    elsewhere = ', and the model is the declared one, refitted' if over_time else ''
+    return (
+        f'It depends on the {channel_label(unknown.variable)}, was seen from '
+        f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
+        f'and reaches {size.text(largest)}{_memory(unknown)}. It is in the model as a table that '
+        f'fades to zero outside that range{elsewhere}.'
+    )
+
+
+def _memory(unknown: UnknownTerm) -> str:
+    if unknown.memory is None:
+        return ''
+    return f'; what was is forgotten over {number(unknown.memory)} s'
+
+
+def unknown_rivals(diagnosis: Diagnosis) -> list[str]:
+    """Return a sentence on the terms that do as well as the one without a name, if any do."""
+    return [f'A term in {listing([effect_label(one) for one in effect.confused_with], "or")} '
+            'explains this record as well.'
+            for effect in diagnosis.effects if effect.confused_with]
+
+
+def unknown_experiment(unknown: UnknownTerm) -> str:
+    """Return what would show the cause of a term without a name."""
+    if unknown.variable == 'time':
+        return ('record the same currents again, at another hour: what stays with the clock comes '
+                'from outside, what stays with the currents from the valve')
+    there = f'with the channels on both sides of {place_label(unknown.location)} recorded'
+    if unknown.memory is not None:
+        return (f'make one step and let it stand ten times {number(unknown.memory)} s, {there}: '
+                'what creeps goes on where all else has settled')
+    if unknown.reach is not None:
+        return (f'let the control current rise and fall slowly over the same span, {there}: the '
+                'chamber pressure over the back pressure is a loop')
+    return f'vary the {channel_label(unknown.variable)} alone, {there}'
+
+
+def sentences_on_refused(refused: Refused, errors: Mapping[str, ChannelError]) -> list[str]:
+    """Return which term the locked part spoke against, with these errors, and by how much."""
+    changes = []
+    for name, error in refused.error.items():
+        before = errors[name].before
+        scale = side_by_side(errors[name].unit, (before, error))
+        changes.append(f'{channel_label(name)} from {scale.text(before)} to {scale.text(error)}')
+    beyond = '' if refused.beyond < WORTH_SAYING else (
+        f'{100.0 * refused.beyond:.0f} % of these data go beyond the range in which it was seen, '
+        'where it says nothing. ')
+    return [
+        f'A smooth term in {place_label(refused.location)} over the '
+        f'{channel_label(refused.variable)} explains part of what it was fitted to, but data '
+        f'{UNSEEN} speak against it: there the error goes with it in {listing(changes)}. '
+        f'{beyond}It is not in the model.',
+        f'That {place_label(refused.location)} is the place is a guess.']
