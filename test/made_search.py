@@ -10,8 +10,9 @@ from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.experiment.segments import split
 from booster_ros.diagnosis.fitting.freedom import declared_freedom
 from booster_ros.diagnosis.searching.search import Search
+from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
-from booster_ros.model.system import Departure, PositionerParameters
+from booster_ros.model.system import PositionerParameters
 
 P = PositionerParameters()
 TIME = np.arange(0.0, 30.0, 0.01)

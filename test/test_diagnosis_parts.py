@@ -34,8 +34,8 @@ from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import (
     CHAMBER, KNOTS, STEM, TIME as OVER_TIME, Discrepancy)
+from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
-from booster_ros.model.system import Departure
 
 
 def everywhere(experiment):

@@ -9,8 +9,8 @@ import pytest
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.searching.unknown import followed
+from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import Plant, simulate
-from booster_ros.model.system import Departure
 
 MEMORY = 4.0
 LOW, HIGH = float(current_for(200e3)), float(current_for(260e3))

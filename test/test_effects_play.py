@@ -9,8 +9,8 @@ import pytest
 
 from booster_ros.diagnosis.searching.unknown import followed
 from booster_ros.model.discrepancy import interpolate
+from booster_ros.model.memory import CENTRED, Departure
 from booster_ros.model.simulation import Plant, simulate
-from booster_ros.model.system import CENTRED, Departure
 
 REACH = 0.01
 S3 = 3.14e-6

@@ -13,21 +13,12 @@ from scipy.integrate import solve_ivp
 from booster_ros.benchmark import cases
 from booster_ros.benchmark.reference import reference
 from booster_ros.model.compiled import compiled_run
+from booster_ros.model.memory import MEMORIES, start_memory
 from booster_ros.model.simulation import Plant, active_states, settled_state, simulate
 from booster_ros.model.solver import advance, new_workspace
+from booster_ros.model.state import BACK, CHAMBER, OUTLET, POSITION, STATES, VELOCITY
 from booster_ros.model.stream import Stream
-from booster_ros.model.system import (
-    BACK,
-    CHAMBER,
-    MEMORIES,
-    OUTLET,
-    POSITION,
-    STATES,
-    VELOCITY,
-    PositionerParameters,
-    derivatives,
-    start_memory,
-)
+from booster_ros.model.system import PositionerParameters, derivatives
 
 EVERYTHING = {
     'ep_converter.hysteresis': 1e-6,

@@ -6,10 +6,10 @@ import numpy as np
 from positioner_runs import PAPER_CURRENT, current_for, positioner, rows
 import pytest
 
+from booster_ros.model.memory import CENTRED
 from booster_ros.model.simulation import Plant, simulate
 from booster_ros.model.start import start_of_readings
 from booster_ros.model.stream import Stream
-from booster_ros.model.system import CENTRED
 
 TIME = rows(24.0)
 RISE = np.select([TIME < 8.0, TIME < 16.0], [0.9 * PAPER_CURRENT, 0.97 * PAPER_CURRENT],

@@ -5,7 +5,7 @@
 from pathlib import Path
 
 from booster_ros.control import settings as fake_controller
-from booster_ros.model.system import OUTPUT_UNITS
+from booster_ros.model.outputs import OUTPUT_UNITS
 from booster_ros.parameters.schema import ALL_DESCRIPTIONS, check, checked
 from booster_ros.parameters.table import parameter_table
 

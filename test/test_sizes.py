@@ -24,8 +24,9 @@ from booster_ros.diagnosis.searching.rematch import rematch
 from booster_ros.diagnosis.searching.screening import with_effect
 from booster_ros.diagnosis.searching.search import polished
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
-from booster_ros.model.system import Departure, PositionerParameters
+from booster_ros.model.system import PositionerParameters
 
 P = PositionerParameters()
 TIME = np.arange(0.0, 40.0, 0.02)

@@ -21,8 +21,9 @@ from booster_ros.diagnosis.searching.unknown import UNNAMED, followed, terms, wi
 from booster_ros.model.discrepancy import (
     BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, STEM, VARIABLES, Discrepancy,
     covered, forgets, remembers)
+from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
-from booster_ros.model.system import PAST_UNIT, Departure
+from booster_ros.model.system import PAST_UNIT
 
 CHANGING = 'stem over valve_position_change'
 CREEPING = Discrepancy(EP_CONVERTER, CURRENT_CHANGE, -1e-4, 1e-4, tuple(np.linspace(-5e3, 5e3, 12)),

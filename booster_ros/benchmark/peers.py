@@ -21,9 +21,9 @@ from scipy.integrate import solve_ivp
 
 from ..model import system
 from ..model.compiled import compiled_modules
+from ..model.state import BACK, CHAMBER, POSITION, STATE_NAMES, STATES, VELOCITY
 from ..model.stream import settled_state
-from ..model.system import (
-    BACK, CHAMBER, POSITION, STATE_NAMES, STATES, VELOCITY, PositionerParameters)
+from ..model.system import PositionerParameters
 from .cases import Case
 from .reference import Integrator, Piece, reference
 

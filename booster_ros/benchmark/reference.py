@@ -17,19 +17,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ..model.simulation import active_states, settled_state
-from ..model.system import (
-    POSITION,
-    STATE_NAMES,
-    STATES,
-    VELOCITY,
-    PositionerParameters,
-    breakaway_excess,
-    derivatives,
-    hold_inactive_states,
-    net_stem_force,
-    slip_direction,
-    sticks,
-)
+from ..model.state import POSITION, STATE_NAMES, STATES, VELOCITY
+from ..model.sticking import breakaway_excess, slip_direction, sticks
+from ..model.system import PositionerParameters, derivatives, hold_inactive_states, net_stem_force
 from .cases import Case
 
 # Absolute tolerance per relative tolerance: Pa, Pa, Pa, Pa, K, -, m, m/s.

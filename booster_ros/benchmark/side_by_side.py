@@ -22,7 +22,7 @@ import numpy as np
 from tqdm import tqdm
 
 from ..model.simulation import simulate
-from ..model.system import POSITION, STATE_NAMES
+from ..model.state import POSITION, STATE_NAMES
 from . import cases, peers, scaling
 from .cases import Case
 from .reference import scipy_integrator

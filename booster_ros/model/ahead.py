@@ -7,7 +7,9 @@ While a step ahead lasts, the state goes along it. Where the inputs change the s
 moment: nothing depends on what comes later, nor on how rows are portioned.
 """
 
-from .system import PASSED, POSITION, STATES, STEP_AHEAD, VELOCITY, derivatives
+from .memory import PASSED, STEP_AHEAD
+from .state import POSITION, STATES, VELOCITY
+from .system import derivatives
 
 
 def begin_ahead(p, time, current, direction, y, memory, step, stuck, w) -> None:

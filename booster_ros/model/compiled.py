@@ -21,8 +21,8 @@ import types
 from typing import Any
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
-            'discrepancy', 'system', 'workspace', 'rodas3', 'dormand_prince', 'ahead',
-            'solver', 'kernel')
+            'discrepancy', 'state', 'system', 'sticking', 'memory', 'outputs', 'workspace',
+            'rodas3', 'dormand_prince', 'ahead', 'solver', 'kernel')
 # Parameters are a hundred numbers, and a call hands them over one by one: where the equations are
 # inlined into the steps, they take half the time. Inlined itself, rodas3 would be compiled at each
 # of its many calls, for twice as long and to no use.

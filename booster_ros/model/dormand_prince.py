@@ -7,7 +7,8 @@ J. R. Dormand and P. J. Prince, Journal of Computational and Applied Mathematics
 last stage is evaluated at the result, so that a next step can take over those rates.
 """
 
-from .system import STATES, derivatives
+from .state import STATES
+from .system import derivatives
 from .workspace import TOLERANCE
 
 ORDER = 5.0

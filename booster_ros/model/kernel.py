@@ -3,11 +3,12 @@
 """The loop over intervals of standing inputs, for one interval and for a whole record."""
 
 from .ahead import covers, go_along
+from .memory import STANDING, STEP_AHEAD, TRIAL_STEP, measure, seen_current
+from .outputs import observe
 from .solver import Workspace, advance
+from .state import CHAMBER, POSITION, STATES
 from .supply import longest_hold
-from .system import (
-    CHAMBER, POSITION, STANDING, STATES, STEP_AHEAD, TRIAL_STEP, PositionerParameters,
-    depends_on_time, follow_play, hold_inactive_states, measure, observe, seen_current)
+from .system import PositionerParameters, depends_on_time, follow_play, hold_inactive_states
 
 LONGEST_STEP = 0.5
 """While a current stands, steps over several intervals are no longer than this, s."""

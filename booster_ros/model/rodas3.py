@@ -8,7 +8,8 @@ embedded solution of order 2. Stiff corners — end stops, pressure ratios near 
 cost it no small steps.
 """
 
-from .system import STATES, derivatives
+from .state import STATES
+from .system import derivatives
 from .workspace import TOLERANCE
 
 ORDER = 3.0

@@ -9,12 +9,15 @@ import math
 import numpy as np
 
 from .kernel import interval, parts_of
+from .memory import CENTRED, DIRECTION, MEMORIES, STANDING, Departure, start_memory
+from .outputs import Outputs, observe, readings
 from .solver import new_workspace
+from .state import PAST, PRESLIDING
+from .sticking import dry_friction, sliding_direction, sticks
 from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
 from .system import (
-    CENTRED, DIRECTION, MEMORIES, PAST, PRESLIDING, STANDING, Departure, Outputs,
-    PositionerParameters, booster_force, dry_friction, hold_inactive_states, is_active, observe,
-    readings, rest_in_play, settled_past, sliding_direction, start_memory, sticks)
+    PositionerParameters, booster_force, hold_inactive_states, is_active, rest_in_play,
+    settled_past)
 
 DEFAULT_STEP = 1e-3
 """Interval of the stepping plant, s."""

@@ -22,11 +22,11 @@ import math
 from .actuator import presliding_time
 from .ahead import begin_ahead, covers, finish, go_along
 from .dormand_prince import ORDER as EXPLICIT_ORDER, contraction, explicit_step
+from .memory import DIRECTION, STEP_AHEAD, STIFFNESS, TRIAL_STEP
 from .rodas3 import ORDER as IMPLICIT_ORDER, fill_jacobian, implicit_step
-from .system import (
-    CHAMBER, DIRECTION, PRESLIDING, STATES, STEP_AHEAD, STIFFNESS, TRIAL_STEP, VELOCITY,
-    PositionerParameters, breakaway_excess, derivatives, friction_time_scale, slip_direction,
-    sticks)
+from .state import CHAMBER, PRESLIDING, STATES, VELOCITY
+from .sticking import breakaway_excess, friction_time_scale, slip_direction, sticks
+from .system import PositionerParameters, derivatives
 from .workspace import Workspace, new_workspace
 
 FINEST_DIVISION = 4000.0

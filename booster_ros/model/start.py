@@ -12,20 +12,12 @@ from collections.abc import Callable, Mapping
 
 from .actuator import has_dry_friction
 from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
+from .memory import Departure, start_current
 from .sensors import position_behind, pressure_behind
+from .state import CHAMBER, POSITION, STATES
+from .sticking import breakaway_excess
 from .stream import settled_state
-from .system import (
-    CHAMBER,
-    POSITION,
-    STATES,
-    Departure,
-    PositionerParameters,
-    booster_force,
-    breakaway_excess,
-    derivatives,
-    discrepancy_at,
-    start_current,
-)
+from .system import PositionerParameters, booster_force, derivatives, discrepancy_at
 
 Start = tuple[dict[str, float], Departure]
 """An initial state, by name, and how far from settled and centred it is."""

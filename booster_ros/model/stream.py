@@ -12,12 +12,15 @@ from .compiled import compiled_run
 from .discrepancy import EP_CONVERTER, STEM
 from .ep_converter import settled_back_pressure
 from .kernel import OBSERVED, run
+from .memory import CENTRED, MEMORIES, Departure, start_current, start_memory
+from .outputs import Outputs
 from .solver import Workspace, new_workspace
+from .state import (
+    BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY, TEMPERATURE)
+from .sticking import held_force
 from .system import (
-    BACK, CENTRED, CHAMBER, MEMORIES, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES,
-    SUPPLY, TEMPERATURE, Departure, Outputs, PositionerParameters, discrepancy_at, held_force,
-    hold_inactive_states, is_active, rest_in_play, settled_past, start_current, start_memory,
-    undrawn_supply)
+    PositionerParameters, discrepancy_at, hold_inactive_states, is_active, rest_in_play,
+    settled_past, undrawn_supply)
 
 LONGEST_INTERVAL = 0.02
 """Intervals between rows of a record are divided down to this, s."""

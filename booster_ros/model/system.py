@@ -1,19 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""
-The wired positioner: which state belongs to which component, and how they act on each other.
+"""The wired positioner: how the components act on each other."""
 
-The state is a sequence of floats in the order of the indices below. States whose effect is
-switched off stand still and cost nothing: the solver integrates the `active_states` only.
-"""
-
-import math
 from typing import NamedTuple
 
 from . import discrepancy as term
 from .actuator import (
-    Actuator, breakaway_friction, chamber_volume, diaphragm_area, energy_rates, has_dry_friction,
-    is_rigid, isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
+    Actuator, chamber_volume, diaphragm_area, energy_rates, has_dry_friction, is_rigid,
+    isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
     sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
@@ -21,28 +15,17 @@ from .discrepancy import (
     Discrepancy, behind_play, forgets, has_play, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
 from .gas import ATMOSPHERE, carried
-from .sensors import Sensors, lagged, position_reading, pressure_reading
+from .sensors import Sensors
+from .state import (
+    BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, SUPPLY, TEMPERATURE, VELOCITY)
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
-
-BACK, SUPPLY, OUTLET, CHAMBER, TEMPERATURE, PAST, POSITION, VELOCITY, PRESLIDING = range(9)
-STATES = 9
-STATE_NAMES = ('back_pressure', 'supply_pressure', 'outlet_pressure', 'chamber_pressure',
-               'gas_temperature', 'past', 'valve_position', 'stem_velocity', 'presliding_force')
-
-# What is remembered from one interval to the next besides the state: the stem's direction of
-# sliding (0 stuck or no dry friction), the solver's next trial step, how often the present slide
-# has been found stiff, the length of a step that reaches beyond the interval (0 for none) and how
-# much of it has passed, the current that it is for, the plays and the sensors.
-(DIRECTION, TRIAL_STEP, STIFFNESS, STEP_AHEAD, PASSED, STANDING, EP_PLAY, LAGGED_PRESSURE,
- LAGGED_POSITION, POSITION_PLAY) = range(10)
-MEMORIES = 10
-
 
 # By the variables of a term: the state that each is, or is a change of, -1 where it is none; and
 # the unit of the state `past` in which that is of order one, 0 for no past.
 STATE_OF_VARIABLE = (
     -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION, -1)
+
 PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
 
 SMALLEST_VOLUME = 0.05
@@ -62,31 +45,6 @@ class PositionerParameters(NamedTuple):
     actuator: Actuator = Actuator()
     sensors: Sensors = Sensors()
     discrepancy: Discrepancy = Discrepancy()
-
-
-class Outputs(NamedTuple):
-    """What can be seen of the positioner at one moment; units in `OUTPUT_UNITS`."""
-
-    time: float
-    control_current: float
-    back_pressure: float
-    supply_pressure: float
-    booster_force: float
-    intake_area: float
-    exhaust_area: float
-    mass_flow: float
-    outlet_pressure: float
-    chamber_pressure: float
-    gas_temperature: float
-    valve_position: float
-    stem_velocity: float
-    measured_chamber_pressure: float
-    measured_valve_position: float
-
-
-OUTPUT_UNITS = dict(zip(Outputs._fields, (
-    's', 'A', 'Pa', 'Pa', 'N', 'm^2', 'm^2', 'kg/s', 'Pa', 'Pa', 'K', 'm', 'm/s', 'Pa', 'm')))
-"""Units of the outputs; pressures are gauge, mass flow counts from the booster to the chamber."""
 
 
 def is_active(p: PositionerParameters, state: int) -> bool:
@@ -296,162 +254,3 @@ def depends_on_time(p: PositionerParameters) -> bool:
     """Tell whether the equations change with time though the current stands."""
     return (p.supply.ripple != 0.0 or p.ep_converter.drift != 0.0
             or (p.discrepancy.location != term.NONE and p.discrepancy.variable == term.TIME))
-
-
-def sticks(p: PositionerParameters) -> bool:
-    """Tell whether the stem has dry friction without any yield, so that it sticks exactly."""
-    return has_dry_friction(p.actuator) and is_rigid(p.actuator)
-
-
-def held_force(p: PositionerParameters, time: float, current: float, y) -> float:
-    """Return the presliding force, N, that keeps a resting stem where it is, as far as it can."""
-    most = breakaway_friction(p.actuator, y[POSITION])
-    return min(max(net_stem_force(p, time, current, y), -most), most)
-
-
-def sliding_direction(p: PositionerParameters, y) -> float:
-    """Return the direction in which a stem slides that can stick; 0: it is exactly still."""
-    return math.copysign(1.0, y[VELOCITY]) if sticks(p) and y[VELOCITY] != 0.0 else 0.0
-
-
-def dry_friction(p: PositionerParameters, time: float, current: float, direction: float, y
-                 ) -> float:
-    """Return the force, N, with which rigid friction opposes a stem that slides so or is stuck."""
-    if direction == 0.0:
-        return held_force(p, time, current, y)
-    return direction * sliding_friction(p.actuator, y[POSITION], y[VELOCITY])
-
-
-def slip_direction(p: PositionerParameters, time: float, current: float, y) -> float:
-    """Return the direction in which a stem at rest breaks away, 0 if it stays stuck."""
-    force = net_stem_force(p, time, current, y)
-    if abs(force) <= breakaway_friction(p.actuator, y[POSITION]):
-        return 0.0
-    return 1.0 if force > 0.0 else -1.0
-
-
-def friction_time_scale(p: PositionerParameters, y, rates) -> float:
-    """
-    Return how long the stem takes, s, to a friction that its present one tells nothing about.
-
-    While stiction fades: to twice the speed. While the stem slows down: to where stiction sets in,
-    which is within 2 Stribeck velocities, then to 1 less. An error estimate can miss a peak of
-    friction that a longer step jumps over.
-    """
-    fading = p.actuator.stribeck_velocity
-    speed, change = abs(y[VELOCITY]), rates[VELOCITY]
-    if p.actuator.stiction == 0.0 or change == 0.0:
-        return math.inf
-    if y[VELOCITY] * change >= 0.0:
-        return max(speed, 0.01 * fading) / abs(change) if speed < 3.0 * fading else math.inf
-    return max(speed - 2.0 * fading, fading) / abs(change)
-
-
-def breakaway_excess(p: PositionerParameters, time: float, current: float, y) -> float:
-    """Return by how much the force on a stem at rest exceeds the break-away friction, N."""
-    return abs(net_stem_force(p, time, current, y)) - breakaway_friction(
-        p.actuator, y[POSITION])
-
-
-def seen_current(p: PositionerParameters, memory, current: float) -> float:
-    """Return the current that the E/P converter acts on, A, and remember its hysteresis."""
-    if p.ep_converter.hysteresis <= 0.0:
-        memory[EP_PLAY] = current  # from there it goes on once there is one
-    else:
-        memory[EP_PLAY] = play(memory[EP_PLAY], current, p.ep_converter.hysteresis)
-    return memory[EP_PLAY]
-
-
-def measure(
-    p: PositionerParameters, memory, before: tuple[float, float], y, step: float
-) -> None:
-    """
-    Let the sensors follow over an interval of `step` s.
-
-    `before` is (chamber pressure, valve position) at its start, `y` the state at its end.
-    """
-    memory[LAGGED_PRESSURE] = lagged(
-        memory[LAGGED_PRESSURE], before[0], y[CHAMBER], p.sensors.pressure_lag, step)
-    start = memory[POSITION_PLAY]
-    memory[POSITION_PLAY] = play(start, y[POSITION], p.sensors.position_backlash)
-    memory[LAGGED_POSITION] = lagged(
-        memory[LAGGED_POSITION], start, memory[POSITION_PLAY], p.sensors.position_lag, step)
-
-
-class Departure(NamedTuple):
-    """
-    How far from settled and centred a positioner starts, of which a command alone tells nothing.
-
-    `back_pressure` in Pa; `ep_play` and `position_play` say where in its play the current's and the
-    position reading's part stands: share of half the width, -1 to 1; `temperature` in K, by which
-    the chamber's air is warmer than its wall; `past` by how much what a term remembers is above
-    what is, in the unit of that state (PAST_UNIT: 0.1 mA, 1 bar, 10 mm, 0.1 N).
-    """
-
-    back_pressure: float = 0.0
-    ep_play: float = 0.0
-    position_play: float = 0.0
-    temperature: float = 0.0
-    past: float = 0.0
-
-
-CENTRED = Departure()
-
-
-def start_current(p: PositionerParameters, current: float, departure: Departure) -> float:
-    """Return the current that the E/P converter acts on at the start, A."""
-    return current + 0.5 * p.ep_converter.hysteresis * departure.ep_play
-
-
-def start_memory(p: PositionerParameters, current: float, y, first_step: float, memory,
-                 departure: Departure = CENTRED) -> None:
-    """Fill the memory for a positioner that has been in state `y` for long."""
-    memory[DIRECTION] = sliding_direction(p, y)
-    memory[TRIAL_STEP] = first_step
-    memory[STIFFNESS] = 0.0
-    memory[STEP_AHEAD] = 0.0
-    memory[PASSED] = 0.0
-    memory[STANDING] = math.nan
-    memory[EP_PLAY] = start_current(p, current, departure)
-    memory[LAGGED_PRESSURE] = y[CHAMBER]
-    memory[POSITION_PLAY] = y[POSITION] + (
-        0.5 * p.sensors.position_backlash * departure.position_play)
-    memory[LAGGED_POSITION] = memory[POSITION_PLAY]
-
-
-def readings(
-    p: PositionerParameters, time: float, seen: float, y, memory, force: float
-) -> tuple[float, float]:
-    """Return what the sensors read: Pa gauge, m; `force` is the booster's, N."""
-    pressure = pressure_reading(p.sensors, memory[LAGGED_PRESSURE])
-    position = position_reading(p.sensors, memory[LAGGED_POSITION])
-    if p.discrepancy.location == term.PRESSURE_SENSOR:
-        pressure += discrepancy_at(p.discrepancy, time, seen, y, force)
-    if p.discrepancy.location == term.POSITION_SENSOR:
-        position += discrepancy_at(p.discrepancy, time, seen, y, force)
-    return pressure, position
-
-
-def observe(
-    p: PositionerParameters, time: float, current: float, seen: float, y, memory
-) -> Outputs:
-    """
-    Return everything that can be seen of the state `y` at `time`.
-
-    `current` is the commanded, `seen` the current that the E/P converter acts on, A.
-    """
-    ambient = p.supply.temperature
-    chamber = y[CHAMBER]
-    restricted = p.tubing.restriction_area > 0.0
-    outlet = y[OUTLET] if restricted else chamber
-    outlet_temperature = ambient if restricted else y[TEMPERATURE]
-    force = booster_force(p, time, seen, y)
-    opened_in = intake_area(p.booster, force, y[SUPPLY], outlet)
-    opened_out = exhaust_area(p.booster, force, outlet)
-    flow = intake_flow(
-        p.booster, opened_in, y[SUPPLY], outlet, ambient, outlet_temperature
-    ) - exhaust_flow(p.booster, opened_out, outlet, outlet_temperature, ambient)
-    pressure, position = readings(p, time, seen, y, memory, force)
-    return Outputs(
-        time, current, y[BACK], y[SUPPLY], force, opened_in, opened_out, flow, outlet, chamber,
-        y[TEMPERATURE], y[POSITION], y[VELOCITY], pressure, position)

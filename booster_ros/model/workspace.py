@@ -4,7 +4,7 @@
 
 from typing import NamedTuple
 
-from .system import STATES
+from .state import STATES
 
 # Error per step that is tolerated: Pa, Pa, Pa, Pa, K, -, m, m/s, N.
 TOLERANCE = (2.0, 2.0, 2.0, 2.0, 1e-2, 2e-5, 1e-7, 3e-6, 5e-3)

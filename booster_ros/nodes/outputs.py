@@ -13,8 +13,8 @@ from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Float64, Header
 
 from ..model.gas import ATMOSPHERE
+from ..model.outputs import OUTPUT_UNITS, Outputs
 from ..model.simulation import Plant
-from ..model.system import OUTPUT_UNITS, Outputs
 from .tick_clock import NANOSECONDS
 
 JOINT_NAME = 'valve_stem'

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from booster_ros.diagnosis.experiment.noise_colour import Noise
+from booster_ros.model.memory import CENTRED, Departure
 from booster_ros.model.simulation import Simulation, simulate
 from booster_ros.model.stream import DEFAULT_TOLERANCE
 from booster_ros.model.stream import LONGEST_INTERVAL as DEFAULT_LONGEST_INTERVAL
-from booster_ros.model.system import CENTRED, Departure, PositionerParameters
+from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 

@@ -24,10 +24,11 @@ from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.diagnosis.fitting.slips import Windows
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.discrepancy import remembers
+from booster_ros.model.memory import Departure
 from booster_ros.model.parameters import ParameterError, check_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.stream import DEFAULT_TOLERANCE
-from booster_ros.model.system import Departure, PositionerParameters
+from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 

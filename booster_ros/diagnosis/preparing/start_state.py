@@ -10,7 +10,8 @@ from scipy.optimize import minimize_scalar
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.model.ep_converter import settled_back_pressure
-from booster_ros.model.system import Departure, PositionerParameters
+from booster_ros.model.memory import Departure
+from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
