@@ -10,7 +10,8 @@ import numpy as np
 
 from ..diagnosis.experiment.experiment import rmse
 from ..diagnosis.result import Diagnosis, FoundEffect, Interval, Suspect
-from ..model.catalogue import EFFECTS
+from ..model.catalogue import EFFECTS, Knob
+from ..model.system import PositionerParameters
 from ..paper.comparison import LABELS
 from ..paper.indices import StepIndices
 from ..paper.printed import PrintedIndex
@@ -72,7 +73,8 @@ def section(record: MeasuredRecord, diagnosis: Diagnosis) -> str:
         f'![{record.title}: measured, refitted, with the effect, and what is left]'
         f'({figure_file(record)})\n',
         error_table(record, diagnosis),
-        *[effect_table(effect) for effect in diagnosis.effects if effect.parameters],
+        *[effect_table(effect, diagnosis.declared)
+          for effect in diagnosis.effects if effect.parameters],
         suspect_table(diagnosis),
         ' '.join(remarks.on(record, diagnosis)) + '\n',
     ]
@@ -102,21 +104,21 @@ def _count(value: float, unit: Scale) -> str:
     return number(value * unit.factor)
 
 
-def effect_table(effect: FoundEffect) -> str:
-    """Return the sizes of an effect with their 95 % intervals."""
+def effect_table(effect: FoundEffect, declared: PositionerParameters) -> str:
+    """Return the sizes of an effect in such a valve with their 95 % intervals."""
     rows = []
     for name, interval in effect.parameters.items():
-        if remarks.is_none(effect.name, name, interval):
+        knob = remarks.knob_of(effect.name, name, declared)
+        if remarks.is_none(knob, interval):
             rows.append([f'`{name}`', 'none', ''])
             continue
         digits = digits_apart(interval.low, interval.high)
         rows.append([f'`{name}`', si_text(interval.value, interval.unit, digits),
-                     _range(effect.name, name, interval, digits)])
+                     _range(knob, interval, digits)])
     return table([effect_label(effect.name), 'value', '95 % interval'], rows)
 
 
-def _range(effect: str, parameter: str, interval: Interval, digits: int) -> str:
-    knob = remarks.knob_of(effect, parameter)
+def _range(knob: Knob, interval: Interval, digits: int) -> str:
     if knob.inverse and interval.high >= knob.high:
         # what vanishes as it grows ends where it is none
         return f'from {si_text(interval.low, interval.unit, digits)} up'

@@ -9,8 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..diagnosis.experiment.experiment import rmse
+from ..diagnosis.fitting.proportion import in_proportion
 from ..diagnosis.result import AS_GOOD_AS_MEASURED, Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
+from ..model.system import PositionerParameters
 from ..paper.table_three import Suspect as IndexSuspect
 from ..report.engineering import number, si_text
 from ..report.names import effect_label, listing
@@ -70,7 +72,7 @@ def _on_sizes(diagnosis: Diagnosis) -> list[str]:
     silent, leaning = [], []
     for effect in diagnosis.effects:
         for parameter, interval in effect.parameters.items():
-            knob = knob_of(effect.name, parameter)
+            knob = knob_of(effect.name, parameter, diagnosis.declared)
             if knob.shape:
                 continue
             if interval.low <= knob.neutral <= interval.high:
@@ -87,14 +89,14 @@ def _on_sizes(diagnosis: Diagnosis) -> list[str]:
     return sentences
 
 
-def knob_of(effect: str, parameter: str) -> Knob:
-    """Return what turns this parameter of an effect."""
-    return next(knob for knob in EFFECTS[effect].knobs if knob.parameter == parameter)
+def knob_of(effect: str, parameter: str, declared: PositionerParameters) -> Knob:
+    """Return what turns this parameter of an effect in such a valve."""
+    return next(in_proportion(knob, declared) for knob in EFFECTS[effect].knobs
+                if knob.parameter == parameter)
 
 
-def is_none(effect: str, parameter: str, interval: Interval) -> bool:
+def is_none(knob: Knob, interval: Interval) -> bool:
     """Tell whether a size and its whole interval are nothing beside a typical size."""
-    knob = knob_of(effect, parameter)
     nothing = NOTHING * abs(knob.typical - knob.neutral)
     return not knob.shape and all(
         abs(end - knob.neutral) < nothing for end in (interval.low, interval.value, interval.high))

@@ -93,7 +93,8 @@ def best_fit(
     """Return the fit of the declared parameters and the model's effects to the marked rows."""
     own = [free for free in free_to_refit(declared, experiment)
            if not (model.gain and free.knob.parameter == 'booster.opening_gain')]
-    added = [free for name in model.effects for free in effect_freedom(EFFECTS[name])]
+    added = [free for name in model.effects
+             for free in effect_freedom(EFFECTS[name], declared)]
     base = put(declared, 'booster.opening_gain', model.gain) if model.gain else declared
     problem = Problem(experiment, rows, base, (*own, *added))
     fits = [problem.fit(z, _EVALUATIONS) for z in _starts(problem)]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.fitting.proportion import PAPER, in_proportion
 from booster_ros.model.catalogue import Effect, Knob
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
@@ -169,10 +170,10 @@ def loosened(free: Free, effect: Effect) -> Free:
         knob, low=max(low, described.low), high=min(high, described.high)))
 
 
-def effect_freedom(effect: Effect) -> list[Free]:
-    """Return the parameters of an effect, neutral at z = 0, typical near z = 1."""
+def effect_freedom(effect: Effect, declared: PositionerParameters = PAPER) -> list[Free]:
+    """Return the parameters of an effect in such a valve, neutral at z = 0, typical near z = 1."""
     found = []
-    for knob in effect.knobs:
+    for knob in (in_proportion(one, declared) for one in effect.knobs):
         neutral = 0.0 if knob.inverse else knob.neutral
         scale = knob.to_fit(knob.typical) - neutral
         if scale == 0.0 or knob.shape:

@@ -15,13 +15,14 @@ import itertools
 import numpy as np
 
 from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.proportion import proportion
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.model.actuator import is_rigid
 
 Array = np.ndarray
 
 SLIDING = (75.0, 110.0, 150.0, 220.0, 300.0, 400.0, 550.0, 750.0, 1000.0, 1400.0)
-"""Sliding friction that is tried, N."""
+"""Sliding friction that is tried, N, in a valve of the paper's size."""
 
 BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
 """Stiction that is tried with each, as a share of it."""
@@ -70,7 +71,9 @@ def best_friction(problem: Problem, z: Array) -> Array:
         left = side_by_side(lambda trial: problem.cost_through_slips(placed(trial)), several)
         return sorted(zip(left, several))
 
-    hollows = tried(itertools.product(SLIDING, BREAKING_AWAY, (False, True)))[:HOLLOWS]
+    larger = proportion(problem.base, 'actuator', 'N')
+    sliding = [larger * force for force in SLIDING]
+    hollows = tried(itertools.product(sliding, BREAKING_AWAY, (False, True)))[:HOLLOWS]
     for step, more in CLOSER:
         hollows = [tried((sliding * (1.0 + step * j), max(share + more * k, 0.0), yields)
                          for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))[0]

@@ -189,7 +189,8 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     experiment, thin = search.experiment, refit.problem
     still = np.ptp(experiment.current) == 0.0 and all(
         np.ptp(drive) == 0.0 for drive in experiment.pinned.values())
-    likely = [one for one in terms(experiment.channels) if one.place in search.places
+    likely = [one for one in terms(experiment.channels, search.declared)
+              if one.place in search.places
               and not (foreseen and still and one.variable == term.TIME)
               and not (experiment.quasi_static and one.variable in term.CHANGE_OF)]
     seen, _ = search.rows_and_experiment(USED, search.thinning)

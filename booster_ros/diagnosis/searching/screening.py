@@ -81,7 +81,8 @@ class Screened:
 def with_effect(problem: Problem, effect: Effect) -> Problem:
     """Return the problem with what it can show of the effect free, behind what it has free."""
     present = {(f.knob.parameter, f.element) for f in problem.freedoms}
-    added = tuple(f for f in effect_freedom(effect) if (f.knob.parameter, f.element) not in present
+    added = tuple(f for f in effect_freedom(effect, problem.base)
+                  if (f.knob.parameter, f.element) not in present
                   and not (f.knob.clocked and problem.experiment.quasi_static))
     kept = tuple(loosened(f, effect) for f in problem.freedoms) if added else problem.freedoms
     return Problem(problem.experiment, problem.rows, problem.base, kept + added)

@@ -19,6 +19,7 @@ from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.descent import straight
 from booster_ros.diagnosis.fitting.fit import START, Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import Free
+from booster_ros.diagnosis.fitting.proportion import PAPER, proportion
 from booster_ros.model import discrepancy as term
 from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.catalogue import Knob
@@ -58,7 +59,8 @@ SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
 """Bounds of a fitted one, s: a shorter one is a lag, of a longer one no record shows the end."""
 
 REACHES = (0.003, 0.01, 0.03)
-"""Halves of the width of a play of the booster's force that are tried, N: as memories are."""
+"""Halves of the width of a play of the booster's force that are tried, N, in the paper's: as
+memories are."""
 
 SHORTEST_REACH, LONGEST_REACH = 5e-4, 0.2
 """Bounds of a fitted one, N: a shorter one is 0.2 kPa in the chamber, a longer one all that opens
@@ -117,8 +119,8 @@ def place_of(location: int) -> str:
     return _PLACES.get(name, name)
 
 
-def terms(channels: tuple[str, ...]) -> list[Term]:
-    """Return the terms worth trying with these compared channels."""
+def terms(channels: tuple[str, ...], declared: PositionerParameters = PAPER) -> list[Term]:
+    """Return the terms worth trying in such a valve, with these compared channels."""
     absent = set()
     if 'chamber_pressure' not in channels:
         absent.add(term.PRESSURE_SENSOR)
@@ -126,15 +128,22 @@ def terms(channels: tuple[str, ...]) -> list[Term]:
         absent |= {term.POSITION_SENSOR, term.STEM}
     return [one for location, size, variables in _TERMS
             for variable in variables if location not in absent
-            for one in _with_pasts(Term(location, variable, size))]
+            for one in _with_pasts(
+                Term(location, variable, size * _larger(declared, location)),
+                _larger(declared, term.BOOSTER))]
 
 
-def _with_pasts(one: Term) -> list[Term]:
+def _larger(declared: PositionerParameters, location: int) -> float:
+    """Return how many times as large a term is there in a valve as in the paper's."""
+    return proportion(declared, term.LOCATIONS[location], term.LOCATION_UNITS[location])
+
+
+def _with_pasts(one: Term, larger: float) -> list[Term]:
     """Return the term with each past that is tried; itself where it has none."""
     if one.variable in term.CHANGE_OF:
         return [replace(one, memory=memory) for memory in TIMES_OF_MEMORY]
     if one.variable == term.FORCE_PLAY:
-        return [replace(one, reach=reach) for reach in REACHES]
+        return [replace(one, reach=larger * reach) for reach in REACHES]
     return [one]
 
 
@@ -232,7 +241,9 @@ def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
     if table.variable in term.CHANGE_OF:
         name, begin, low, high = 'memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY
     elif term.has_play(table):
-        name, begin, low, high = 'reach', table.reach, SHORTEST_REACH, LONGEST_REACH
+        larger = _larger(joint.base, term.BOOSTER)
+        name, begin = 'reach', table.reach
+        low, high = larger * SHORTEST_REACH, larger * LONGEST_REACH
     else:
         return joint, z
     where = len(joint.freedoms)

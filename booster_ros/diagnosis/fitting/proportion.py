@@ -1,0 +1,59 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How large things are sought in a valve, beside how large they are in the paper's.
+
+Catalogue and terms say what a record of the paper's positioner shows well, and how far to search
+there. A valve of another size has other hysteresis, friction and leaks: a current counts beside the
+range of the converter, a pressure beside the supply, an area beside the booster's largest, a force
+beside what the supply makes on the diaphragm, a length beside the travel. Shares, times, speeds and
+thermal resistances are what they are.
+"""
+
+from dataclasses import replace
+import math
+
+from booster_ros.model.catalogue import Knob
+from booster_ros.model.gas import ATMOSPHERE
+from booster_ros.model.parameters import DESCRIPTIONS
+from booster_ros.model.system import PositionerParameters
+
+
+PAPER = PositionerParameters()
+
+
+def proportion(p: PositionerParameters, component: str, unit: str) -> float:
+    """Return how many times as large sizes in this unit are in a valve as in the paper's."""
+    ours, paper = _natural(p, component, unit), _natural(PAPER, component, unit)
+    ratio = ours / paper
+    return ratio if math.isfinite(ratio) and ratio > 0.0 else 1.0
+
+
+def _natural(p: PositionerParameters, component: str, unit: str) -> float:
+    """Return a size in SI that goes with the valve, 1 for what does not."""
+    supply, area, travel = p.supply.pressure, p.booster.max_area, p.actuator.travel
+    force = supply * (p.booster.s3 if component == 'booster' else p.actuator.effective_area)
+    gain = p.ep_converter.gain
+    sizes = {
+        'A': supply / gain if gain else math.nan,
+        'Pa': supply,
+        'm^2': area,
+        'kg/s': area * (supply + ATMOSPHERE),
+        'Pa s/kg': 1.0 / area if area else math.nan,
+        'm^3': p.actuator.dead_volume,
+        'm': travel,
+        'N': force,
+        'N/m': force / travel if travel else math.nan,
+    }
+    return sizes.get(unit, 1.0)
+
+
+def in_proportion(knob: Knob, p: PositionerParameters) -> Knob:
+    """Return what turns a parameter with its sizes as they are in this valve."""
+    described = DESCRIPTIONS[knob.parameter]
+    factor = proportion(p, knob.parameter.partition('.')[0], described.unit)
+    if factor == 1.0:
+        return knob
+    low, high = (min(max(factor * end, described.low), described.high)
+                 for end in (knob.low, knob.high))
+    return replace(knob, typical=factor * knob.typical, low=low, high=high)
