@@ -138,7 +138,7 @@ def refused_found():
     """Return a diagnosis of which the term without a name did not stand."""
     found = diagnosis_of(timed_columns(BENT), 'unknown', DECLARED, (
         FoundEffect('unknown', 'stem', {}, (), '', {'misfit_with': 1.1}),))
-    return replace(found, refused=Refused(
+    return replace(found, decided=True, refused=Refused(
         'stem', 'valve_position',
         {name: 2.0 * error.before for name, error in found.held_out.items()}, 0.04))
 

@@ -3,6 +3,7 @@
 """Records of valves that changed on the way, by a plant of other equations."""
 
 from dataclasses import replace
+import re
 
 from hidden_plant.cases import Case, play
 from hidden_plant.currents import KINDS
@@ -13,6 +14,7 @@ import pytest
 
 from booster_ros.diagnosis import change
 from booster_ros.diagnosis.change import since_change
+from booster_ros.report.wording import verdict_sentences, verdict_title
 
 SECONDS = 60.0
 AT = 20.0
@@ -68,6 +70,37 @@ def test_a_supply_that_falls_is_told_by_how_much():
     assert likeliest.after - likeliest.before == pytest.approx(-8e3, rel=0.1)
     assert effect.confused_with == tuple(one.name for one in found.change.moved[1:])
     assert meets(found)
+
+
+def test_a_sensor_that_dies_is_no_parameter_that_changed():
+    columns = columns_of()
+    columns['valve_position'] = np.where(
+        columns['time'] >= AT, -1e-3, columns['valve_position'])
+    found = diagnosed(columns)
+    assert found.change.time == pytest.approx(AT, abs=0.1)
+    assert found.change.cut
+    assert found.change.silent == ('valve_position',)
+    assert found.change.moved == ()
+    assert found.verdict == 'unknown'
+    assert [(one.location, one.confused_with) for one in found.effects] == [('sensor', ())]
+    assert found.experiment.channels == ('chamber_pressure',)
+    assert meets(found)
+    title, sentences = verdict_title(found), ' '.join(verdict_sentences(found))
+    assert re.fullmatch(r'From 20(\.0\d)? s on the valve position stands still', title)
+    assert 'the sensor is dead or cut off, or the valve sticks fast' in sentences
+    assert 'enough for both parts' not in sentences
+
+
+def test_no_parameter_has_changed_where_what_came_after_is_met_as_before(monkeypatch):
+    columns = knocked(3e-4, AT)
+    clean = columns_of()
+    after = {name: values[clean['time'] >= AT] for name, values in clean.items()}
+    later = diagnosis_of(after, 'none')
+    monkeypatch.setattr(change, '_later', lambda *_: later)
+    found = since_change(diagnosis_of(columns, 'none'), record_of(columns))
+    assert found.change.cut
+    assert found.change.moved == ()
+    assert found.verdict == 'none'
 
 
 def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():

@@ -397,6 +397,8 @@ def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):
     assert verdict_title(diagnosis) == 'The model lacks something that no named effect explains'
     said = ' '.join(verdict_sentences(diagnosis))
     assert 'A smooth term in the stem over the valve position' in said
+    assert 'that had a say in the verdict speak against it: there the error goes with it in' in said
+    assert 'no step of this analysis had seen' not in said
     assert 'It is not in the model' in said
     assert '4 % of these data go beyond the range in which it was seen' in said
     within = replace(diagnosis, refused=replace(diagnosis.refused, beyond=0.0))
@@ -431,6 +433,16 @@ def test_what_only_the_locked_part_shows_is_not_said_to_have_been_sought():
     text = ' '.join(verdict_sentences(diagnosis))
     assert 'shows in the unseen ones alone' in text
     assert 'no smooth term' not in text
+
+
+def test_a_locked_part_that_is_met_is_not_all_of_the_record():
+    found = off_by(nothing_found(), 'error', 5.0, 5.0)
+    assert verdict_title(found) == 'Nothing to add'
+    text = ' '.join(verdict_sentences(found))
+    assert 'Of the data that were fitted it leaves 5.0 times the noise in chamber pressure' in text
+    assert 'No effect of the catalogue improves on that' not in text
+    other = off_by(replace(found, validation=found.held_out), 'validation', 4.0, 4.0)
+    assert 'this record does not show' not in verdict_sentences(other)[-1]
 
 
 def test_loud_noise_under_which_nothing_was_found_is_said_to_hide_what_is_smaller():
@@ -505,6 +517,35 @@ def test_declared_parameters_that_changed_are_told_by_their_values(moved, said):
     written = json.loads(json_text(found, FROM))
     assert written['record']['begins'] == 60.07
     assert [one['name'] for one in written['change']['moved']] == [one.name for one in moved]
+
+
+def test_of_a_late_clock_and_a_small_change_every_digit_that_counts_is_told():
+    change = replace(CHANGE, time=5000166.02, moved=(
+        Moved('supply.pressure', 'Pa', 600.3e3, 599.8e3, 1.4),))
+    effect = FoundEffect('unknown', 'supply', {}, (), '', {})
+    found = replace(changed(change, nothing_found()), verdict='unknown', effects=(effect,))
+    assert verdict_title(found) == 'The valve changed at 5000166.02 s'
+    assert 'from 600.3 kPa to 599.8 kPa' in verdict_sentences(found)[-1]
+    assert 'time from 5000166.02 s on, s' in html_page(found, FROM)
+
+
+def test_a_number_that_json_has_no_word_for_is_null_wherever_it_stands():
+    lost = replace(FALLEN, left=float('nan'))
+    found = changed(replace(CHANGE, moved=(lost,)), nothing_found())
+    assert json.loads(json_text(found, FROM))['change']['moved'][0]['left'] is None
+
+
+def test_a_reading_that_stands_still_is_said_to_be_that():
+    silent = replace(CHANGE, silent=('valve_position',))
+    effect = FoundEffect('unknown', 'sensor', {}, (), '', {})
+    found = replace(changed(silent, nothing_found()), verdict='unknown', effects=(effect,))
+    assert verdict_title(found) == 'From 60.07 s on the valve position stands still'
+    assert 'the sensor is dead or cut off' in ' '.join(verdict_sentences(found))
+    assert Page(html_page(found, FROM)).texts
+    assert json.loads(json_text(found, FROM))['change']['silent'] == ['valve_position']
+    whole = changed(replace(silent, cut=False), friction_found())
+    assert verdict_title(whole) == verdict_title(friction_found())
+    assert 'the sensor is dead or cut off' in ' '.join(verdict_sentences(whole))
 
 
 def test_a_change_after_which_nothing_is_told_is_no_claim_that_the_model_is_enough():

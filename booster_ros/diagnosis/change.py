@@ -11,7 +11,8 @@ between them, and is left by much. So where a diagnosis leaves much:
 3. run that model on: the valve changed where it begins to miss;
 4. diagnose the record from there on, if that is enough of it, as a record of its own;
 5. where nothing is missing in it a declared parameter has changed: one that alone, the others as
-   they were before, explains what came after.
+   they were before, explains what came after; where a channel says nothing of the valve any more,
+   its sensor has.
 
 An effect that the record excites for the first time looks the same, and is found the same way.
 """
@@ -23,7 +24,7 @@ import numpy as np
 
 from booster_ros.diagnosis.diagnose import Progress, diagnose
 from booster_ros.diagnosis.experiment.experiment import Experiment
-from booster_ros.diagnosis.experiment.segments import USED
+from booster_ros.diagnosis.experiment.segments import USED, rows_of
 from booster_ros.diagnosis.fitting.applicable import free_to_refit
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import label
@@ -70,8 +71,9 @@ def since_change(
     Where too little of the record is left from there on, the same diagnosis that says when. Whether
     to cut is not asked of the locked part.
     """
-    left, held_out = _left(diagnosis.error), _left(diagnosis.held_out)
-    if diagnosis.experiment.quasi_static or not max(left, held_out) > MUCH:
+    left = _left(diagnosis.error)
+    if diagnosis.experiment.quasi_static or not (
+            left > MUCH or _left(diagnosis.held_out) > MUCH):
         return diagnosis
     tell = progress or (lambda phrase, share: None)
     tell('looking for a change of the valve', 0.99)
@@ -80,10 +82,17 @@ def since_change(
         return diagnosis
     change, before = found
     later = _later(record, change, diagnosis.declared, tell) if left > MUCH else None
-    if later is None or _left(later.error) > WORTH_CUTTING * left:
+    if later is None:
         return replace(diagnosis, change=change)
-    enough = later.verdict == 'none' and _left(later.error) <= AS_GOOD_AS_MEASURED**2
-    moved = _moved(later, before) if enough else ()
+    silent = tuple(name for name in diagnosis.experiment.channels
+                   if name not in later.experiment.channels)
+    if silent:
+        change = replace(change, silent=silent)
+        return _silenced(later, change) if later.verdict == 'none' else replace(
+            diagnosis, change=change)
+    if not _left(later.error) <= WORTH_CUTTING * left:
+        return replace(diagnosis, change=change)
+    moved = _moved(later, before) if later.verdict == 'none' and _meets(later) else ()
     later = replace(later, change=replace(change, cut=True, moved=moved))
     if not moved:
         return later
@@ -93,9 +102,23 @@ def since_change(
 
 
 def _left(errors: Mapping[str, ChannelError]) -> float:
-    """Return the mean square that the last model leaves, in that of the noise."""
+    """Return the mean square that the last model leaves, in that of the noise, NaN of nothing."""
     squares = [(one.after / one.noise)**2 for one in errors.values() if np.isfinite(one.after)]
-    return float(np.mean(squares)) if squares else 0.0
+    return float(np.mean(squares)) if squares else np.nan
+
+
+def _silenced(later: Diagnosis, change: Change) -> Diagnosis:
+    """Return the diagnosis of a record in which a channel says nothing of the valve any more."""
+    place = 'sensor' if _meets(later) else 'stem'  # a stem that is stuck moves the pressure as well
+    return replace(later, verdict='unknown', change=replace(change, cut=True), effects=(
+        FoundEffect('unknown', place, {}, (), '', {}),))
+
+
+def _meets(diagnosis: Diagnosis) -> bool:
+    """Tell whether the last model meets all that could be compared, the locked part as well."""
+    return all(one.after <= AS_GOOD_AS_MEASURED * one.noise
+               for one in (*diagnosis.error.values(), *diagnosis.held_out.values())
+               if np.isfinite(one.after))
 
 
 def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
@@ -145,9 +168,8 @@ def _squares(experiment: Experiment, fit: Fit) -> Array:
 def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     """Return to which row the declared model meets the beginning to the noise, and its fit."""
     experiment, declared = diagnosis.experiment, diagnosis.declared
-    time = experiment.time
-    least = time[0] + BEGINNING * (time[-1] - time[0])
-    ends = {used: [segment.last for segment in diagnosis.segments if time[segment.last - 1] >= least
+    least = BEGINNING * len(experiment.time)
+    ends = {used: [segment.last for segment in diagnosis.segments if segment.last >= least
                    and (segment.role in USED) is used] for used in (True, False)}
     thin, kept = thinned(experiment, THINNING)
     whole = Problem(thin, np.ones(len(kept), dtype=bool), declared,
@@ -192,7 +214,7 @@ def _later(record: Record, change: Change, declared: PositionerParameters, tell:
         experiment = prepare(rest, declared)
         return diagnose(
             experiment, declared, lambda phrase, share: tell(
-                f'from {change.time:.4g} s on: {phrase}', share),
+                f'from {change.time:.9g} s on: {phrase}', share),
             (*rest.notes, *experiment.notes))
     except RecordError:
         return None
@@ -202,10 +224,16 @@ def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
     """
     Return the declared parameters of which one alone explains what came after, best first.
 
-    The others stay as fitted to what was before. Where none does, the one that explains most.
+    The others stay as fitted to what was before. Where none does, the one that explains most; none
+    where what came after is met as well with all of them as they were.
     """
-    thin, _ = thinned(later.experiment, THINNING)
-    rows = np.ones(len(thin.time), dtype=bool)
+    thin, kept = thinned(later.experiment, THINNING)
+    rows = rows_of(list(later.segments), USED, len(later.experiment.time))[kept]
+
+    def left(fit: Fit) -> float:
+        return float(np.nanmean(_squares(thin, fit)[rows]))
+
+    still = left(Problem(thin, rows, before.parameters, ()).fit(evaluations=EVALUATIONS))
     tried = []
     for free, z in zip(before.freedoms, before.z):
         problem = Problem(thin, rows, before.parameters, (free,))
@@ -213,8 +241,9 @@ def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
             np.r_[z, np.zeros(len(before.z) - len(before.freedoms))], EVALUATIONS)
         tried.append(Moved(
             label(free), DESCRIPTIONS[free.knob.parameter].unit, float(free.value(z)),
-            float(free.value(fit.z[0])), float(np.nanmean(_squares(thin, fit)))))
-    tried.sort(key=lambda one: one.left)
+            float(free.value(fit.z[0])), left(fit)))
+    tried = sorted((one for one in tried if one.left < WORTH_CUTTING * still),
+                   key=lambda one: one.left)
     return tuple(one for one in tried if one.left < ALIKE * tried[0].left)
 
 

@@ -180,7 +180,8 @@ class Change:
     `met` and `missed` are the mean squares, in that of the noise, that the declared model leaves
     before and from then on, refitted to what was before. The diagnosis is of what came after where
     the record was `cut` there. `moved` are the declared parameters, likeliest first, where a
-    change of one of them is all that does.
+    change of one of them is all that does; `silent` the channels that stand still since then while
+    the model moves them.
     """
 
     time: float
@@ -188,6 +189,7 @@ class Change:
     missed: float
     cut: bool = False
     moved: tuple[Moved, ...] = ()
+    silent: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

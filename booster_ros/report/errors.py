@@ -22,8 +22,6 @@ share in that."""
 FEW = 25
 """Values of a channel in the locked part below which their number is said."""
 
-UNSEEN = 'that no step of this analysis had seen'
-
 
 def error_scale(error: ChannelError) -> Scale:
     """Return the unit in which a channel's errors and its noise are read side by side."""
@@ -43,6 +41,24 @@ def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
 def reaches_noise(errors: Mapping[str, ChannelError]) -> bool:
     """Tell whether the last model leaves no more than noise in any channel."""
     return all(_is_noise(error) for error in errors.values())
+
+
+def meets_all(diagnosis: Diagnosis) -> bool:
+    """Tell whether the last model leaves no more than noise, held out or fitted."""
+    return reaches_noise(judged(diagnosis)) and reaches_noise(scored(diagnosis.error))
+
+
+def unseen(diagnosis: Diagnosis) -> str:
+    """Return what the locked part is: where it has decided, it has been seen."""
+    return 'that nothing was fitted to, but that had a say in the verdict' if diagnosis.decided \
+        else 'that no step of this analysis had seen'
+
+
+def left_in(errors: Mapping[str, ChannelError], compared: bool = False) -> list[str]:
+    """Return how much is left in each channel in which that is more than noise."""
+    return [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
+            + (f' ({number(e.before / e.noise, 2)} without it)' if compared else '')
+            for name, e in errors.items() if not _is_noise(e)]
 
 
 def sentence_on_misses(diagnosis: Diagnosis) -> str:
@@ -65,14 +81,14 @@ def sentences_on_gain(diagnosis: Diagnosis) -> list[str]:
     if not scored(diagnosis.held_out):
         return [gain]
     if not _missing(errors):
-        gain = (f'Data {_unseen(diagnosis)} need nothing added, and so do not confirm it: there '
+        gain = (f'Data {unseen(diagnosis)} need nothing added, and so do not confirm it: there '
                 f'the error goes in {changes}.')
     return [gain, *_doubts(errors)]
 
 
 def sentences_on_rest(diagnosis: Diagnosis) -> list[str]:
     """Return a sentence on the channels in which more than noise is left, if there are any."""
-    left = _left(judged(diagnosis))
+    left = left_in(judged(diagnosis))
     return [f'It leaves {listing(left)}: that is not explained.'] if left else []
 
 
@@ -83,9 +99,9 @@ def sentences_on_other_record(diagnosis: Diagnosis) -> list[str]:
         return []
     added = diagnosis.added
     model = 'With it the model' if added else 'The refitted model'
-    left = listing(_left(errors, compared=added))
+    left = listing(left_in(errors, compared=added))
     if left:
-        hidden = not added and reaches_noise(judged(diagnosis))
+        hidden = not added and meets_all(diagnosis)
         what = ': something is missing there that this record does not show' if hidden else ''
         said = f'{model} misses the other record by {left}{what}.'
     else:
@@ -112,17 +128,10 @@ def _missing(errors: Mapping[str, ChannelError]) -> list[ChannelError]:
             if error.before > AS_GOOD_AS_MEASURED * error.noise]
 
 
-def _left(errors: Mapping[str, ChannelError], compared: bool = False) -> list[str]:
-    """Return how much is left in each channel in which that is more than noise."""
-    return [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
-            + (f' ({number(e.before / e.noise, 2)} without it)' if compared else '')
-            for name, e in errors.items() if not _is_noise(e)]
-
-
 def _where(diagnosis: Diagnosis) -> str:
     if not scored(diagnosis.held_out):
         return 'on the data it was fitted to'
-    return f'on data {_unseen(diagnosis)}{_how_few(diagnosis)}'
+    return f'on data {unseen(diagnosis)}{_how_few(diagnosis)}'
 
 
 def _how_few(diagnosis: Diagnosis) -> str:
@@ -134,12 +143,6 @@ def _how_few(diagnosis: Diagnosis) -> str:
     if experiment.quasi_static or values >= FEW:
         return ''
     return f', of which there are {values} in a channel at the most'
-
-
-def _unseen(diagnosis: Diagnosis) -> str:
-    """Return what the locked part is: where it has decided, it has been seen."""
-    return 'that nothing was fitted to, but that had a say in the verdict' if diagnosis.decided \
-        else UNSEEN
 
 
 def _is_noise(error: ChannelError) -> bool:

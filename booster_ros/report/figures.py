@@ -91,7 +91,7 @@ def measured_and_models(view: View) -> Figure:
 
 def _time_label(view: View) -> str:
     begins = view.diagnosis.experiment.begins
-    return f'time from {begins:.5g} s on, s' if begins else 'time, s'
+    return f'time from {begins:.9g} s on, s' if begins else 'time, s'
 
 
 def residuals_over_time(view: View) -> Figure:

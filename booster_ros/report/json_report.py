@@ -108,7 +108,7 @@ def _finite(value: Any) -> Any:
     """Return the same values with None for the numbers that JSON cannot hold."""
     if isinstance(value, dict):
         return {key: _finite(content) for key, content in value.items()}
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_finite(content) for content in value]
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None

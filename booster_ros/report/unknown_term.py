@@ -2,12 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A term without a name in sentences: what it is, what else it may be, what would show it."""
 
-from collections.abc import Mapping
-
-from booster_ros.diagnosis.result import (
-    WORTH_SAYING, ChannelError, Diagnosis, Refused, UnknownTerm)
+from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
 from booster_ros.report.engineering import number, scale_of, side_by_side
-from booster_ros.report.errors import UNSEEN
+from booster_ros.report.errors import unseen
 from booster_ros.report.names import channel_label, effect_label, listing, place_label
 
 
@@ -61,19 +58,21 @@ def unknown_experiment(unknown: UnknownTerm) -> str:
     return f'vary the {channel_label(unknown.variable)} alone, {there}'
 
 
-def sentences_on_refused(refused: Refused, errors: Mapping[str, ChannelError]) -> list[str]:
-    """Return which term the locked part spoke against, with these errors, and by how much."""
+def sentences_on_refused(refused: Refused, diagnosis: Diagnosis) -> list[str]:
+    """Return which term the locked part spoke against, and by how much."""
     changes = []
     for name, error in refused.error.items():
-        before = errors[name].before
-        scale = side_by_side(errors[name].unit, (before, error))
+        channel = diagnosis.held_out[name]
+        before = channel.before
+        scale = side_by_side(channel.unit, (before, error))
         changes.append(f'{channel_label(name)} from {scale.text(before)} to {scale.text(error)}')
+    goes = f'the error goes with it in {listing(changes)}' if changes else (
+        'the model does not come to the end with it')
     beyond = '' if refused.beyond < WORTH_SAYING else (
         f'{100.0 * refused.beyond:.0f} % of these data go beyond the range in which it was seen, '
         'where it says nothing. ')
     return [
         f'A smooth term in {place_label(refused.location)} over the '
         f'{channel_label(refused.variable)} explains part of what it was fitted to, but data '
-        f'{UNSEEN} speak against it: there the error goes with it in {listing(changes)}. '
-        f'{beyond}It is not in the model.',
+        f'{unseen(diagnosis)} speak against it: there {goes}. {beyond}It is not in the model.',
         f'That {place_label(refused.location)} is the place is a guess.']

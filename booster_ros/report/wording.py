@@ -6,11 +6,12 @@ import numpy as np
 
 from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.report.engineering import number, side_by_side
+from booster_ros.report.engineering import digits_apart, number, side_by_side
 from booster_ros.report.errors import (
-    judged, reaches_noise, scored, sentence_on_misses, sentences_on_gain, sentences_on_other_record,
-    sentences_on_rest)
-from booster_ros.report.names import capital, channel_label, effect_label, listing, place_label
+    judged, left_in, meets_all, reaches_noise, scored, sentence_on_misses, sentences_on_gain,
+    sentences_on_other_record, sentences_on_rest)
+from booster_ros.report.names import (
+    capital, channel_label, channel_listing, effect_label, listing, place_label)
 from booster_ros.report.unknown_term import (
     sentence_on_unknown, sentences_on_refused, unknown_rivals)
 
@@ -35,7 +36,7 @@ def with_what_was_added(diagnosis: Diagnosis) -> str:
 
 def _when(change: Change) -> str:
     """Return the words for when the valve changed."""
-    return f'{change.time:.5g} s'
+    return f'{change.time:.9g} s'
 
 
 def verdict_title(diagnosis: Diagnosis) -> str:
@@ -43,11 +44,14 @@ def verdict_title(diagnosis: Diagnosis) -> str:
     if diagnosis.change is not None and diagnosis.verdict == 'none':
         return f'Something changed at {_when(diagnosis.change)}'
     if diagnosis.verdict == 'none':
-        if reaches_noise(judged(diagnosis)) and reaches_noise(scored(diagnosis.validation)):
+        if meets_all(diagnosis) and reaches_noise(scored(diagnosis.validation)):
             return 'The declared model, refitted, is enough for this record'
         return 'Nothing to add'
     if diagnosis.change is not None and diagnosis.change.moved:
         return f'The valve changed at {_when(diagnosis.change)}'
+    if diagnosis.change is not None and diagnosis.change.silent and diagnosis.change.cut:
+        return (f'From {_when(diagnosis.change)} on the {channel_listing(diagnosis.change.silent)} '
+                'stands still')
     if diagnosis.verdict == 'unknown':
         if diagnosis.refused is not None:
             return 'The model lacks something that no named effect explains'
@@ -71,6 +75,9 @@ def _sentences(diagnosis: Diagnosis) -> list[str]:
     if change is not None and change.moved:
         return [*_sentences_on_change(diagnosis, change), sentence_on_misses(diagnosis),
                 _sentence_on_moved(change)]
+    if change is not None and change.silent and change.cut:
+        return [*_sentences_on_change(diagnosis, change), _sentence_on_silent(change),
+                sentence_on_misses(diagnosis)]
     return [*(_sentences_on_change(diagnosis, change) if change else ()),
             *_sentences_on_verdict(diagnosis)]
 
@@ -79,17 +86,27 @@ def _sentences_on_change(diagnosis: Diagnosis, change: Change) -> list[str]:
     said = [f'Up to {_when(change)} the declared model, refitted to that part, meets the record to '
             f'the noise; from there on it misses by {number(np.sqrt(change.missed), 2)} times the '
             'noise. Something in the valve changed then, or shows for the first time.']
+    if change.silent and not change.cut:
+        said.append(_sentence_on_silent(change))
     if change.cut:
         return [*said, f'All that follows is of the record from {_when(change)} on.']
     return [*said, 'What came after is too little to be told apart, or tells no more: what follows '
             'is of the whole record.']
 
 
+def _sentence_on_silent(change: Change) -> str:
+    return (f'The {channel_listing(change.silent)} has one value from then on while the model '
+            'moves it: the sensor is dead or cut off, or the valve sticks fast. It is not compared '
+            'there.')
+
+
 def _sentence_on_moved(change: Change) -> str:
-    moves = listing([f'{one.name} from {scale.text(one.before)} to {scale.text(one.after)} '
+    moves = listing([f'{one.name} from {scale.text(one.before, digits)} to '
+                     f'{scale.text(one.after, digits)} '
                      f'({number(np.sqrt(one.left), 2)} times the noise left)'
                      for one in change.moved
-                     for scale in [side_by_side(one.unit, (one.before, one.after))]], 'or')
+                     for scale in [side_by_side(one.unit, (one.before, one.after))]
+                     for digits in [digits_apart(one.before, one.after)]], 'or')
     several = '; more than one has changed' if change.moved[0].left > SEVERAL else ''
     return ('The declared model is enough for both parts, with other parameters. Changed alone, '
             f'all others as they were before, comes nearest: {moves}{several}.')
@@ -99,8 +116,7 @@ def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict == 'none':
         return _sentences_on_none(diagnosis)
     if diagnosis.verdict == 'unknown' and diagnosis.refused is not None:
-        return [sentence_on_misses(diagnosis),
-                *sentences_on_refused(diagnosis.refused, diagnosis.held_out)]
+        return [sentence_on_misses(diagnosis), *sentences_on_refused(diagnosis.refused, diagnosis)]
     if diagnosis.verdict == 'unknown':
         sentences = [sentence_on_unknown(diagnosis.unknown)] if diagnosis.unknown else []
         return [*sentences, *sentences_on_gain(diagnosis), *sentences_on_rest(diagnosis),
@@ -121,9 +137,14 @@ def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
 
 def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
     first = sentence_on_misses(diagnosis)
-    if reaches_noise(judged(diagnosis)):
+    if meets_all(diagnosis):
         return [first, 'No effect of the catalogue improves on that beyond chance.',
                 *_hidden_in_noise(diagnosis)]
+    if reaches_noise(judged(diagnosis)):
+        left = listing(left_in(scored(diagnosis.error)))
+        return [first, f'Of the data that were fitted it leaves {left}, but no effect of the '
+                'catalogue, and no smooth term, improves on that beyond chance: a record with more '
+                'movement may show what is missing.']
     if reaches_noise(scored(diagnosis.error)):
         return [
             first, 'That is more than noise, but the data that were fitted are met to the noise: '
