@@ -28,7 +28,7 @@ from booster_ros.diagnosis.searching.rematch import _by_slips, _plainest_above, 
 from booster_ros.diagnosis.searching.screening import (
     references, screen, strong_frequencies, with_effect)
 from booster_ros.diagnosis.searching.selection import Tried, _backward, compared, named
-from booster_ros.diagnosis.searching.teaching import taught
+from booster_ros.diagnosis.searching.teaching import most_by_noise, taught
 from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
 from booster_ros.model.catalogue import EFFECTS
@@ -644,3 +644,15 @@ def test_a_drift_that_has_hardly_begun_is_one_though_its_size_may_be_any(time_co
     found = tried.chosen.fit.parameters.ep_converter
     slope = found.drift / found.drift_time_constant
     assert slope == pytest.approx(25.0, rel=0.1)
+
+
+@pytest.mark.parametrize('values', [12, 60, 1000, 10000])
+def test_noise_alone_is_noise_in_each_select_segment_however_few_values_it_has(values):
+    rng = np.random.default_rng(values)
+    segments = np.full(13, values)
+    left = rng.chisquare(values, (2000, 13))
+    beyond = np.mean((left > most_by_noise(segments)).any(axis=1))
+    assert beyond < 0.02
+    assert (most_by_noise(segments) < 4.0 * segments).all()
+    if values >= 1000:
+        assert (most_by_noise(segments) == 1.3 * segments).all()

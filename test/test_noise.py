@@ -42,6 +42,19 @@ def test_what_a_sensor_cuts_off_at_its_end_is_noise_all_the_same(step, end):
     assert noise_level(rounded) == pytest.approx(truth, rel=0.06)
 
 
+@pytest.mark.parametrize('rows', [1200, ROWS])
+@pytest.mark.parametrize('share', [0.15, 0.3, 0.45, 0.6])
+@pytest.mark.parametrize('reading', [0.0, 2e5])
+def test_where_a_sensor_reads_the_same_for_long_the_rest_tells(rows, share, reading):
+    """At an end of a short record, and wherever it froze."""
+    _, noisy = moving()
+    noisy = noisy[:rows]
+    for begin in (0.1, 0.6) if share < 0.5 else (0.1,):
+        part = share / 2.0 if share < 0.5 else share
+        noisy[int(begin * rows):int((begin + part) * rows)] = reading
+    assert noise_level(noisy) == pytest.approx(NOISE, rel=0.1)
+
+
 def test_what_is_not_rounded_is_white_noise():
     _, noisy = moving()
     assert noise_level(noisy) == white_noise(noisy) == pytest.approx(NOISE, rel=0.03)

@@ -8,7 +8,7 @@ import pytest
 from booster_ros.diagnosis.experiment.experiment import DriveNoise
 from booster_ros.diagnosis.experiment.noise_colour import Noise
 from booster_ros.diagnosis.preparing.gaps import SETTLING
-from booster_ros.diagnosis.preparing.preparation import DWELL_COMMANDED, prepare
+from booster_ros.diagnosis.preparing.preparation import DWELL_FILLED, prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError, read_record
@@ -317,7 +317,7 @@ def test_a_sweep_of_currents_is_compared_after_each_has_stood():
         settled.append(simulate(DECLARED, time, np.full(len(time), one))['chamber_pressure'][-1])
     record = record_of(control_current=current, chamber_pressure=settled)
     experiment = prepare(record, DECLARED)
-    assert np.allclose(np.diff(experiment.time), DWELL_COMMANDED)
+    assert np.allclose(np.diff(experiment.time), DWELL_FILLED)
     predicted = experiment.predict(DECLARED)['chamber_pressure']
     assert np.isnan(experiment.measured['chamber_pressure'][0])
     assert np.abs(predicted - settled)[1:].max() < 50.0
@@ -698,6 +698,61 @@ def test_rows_far_apart_or_close_together_are_fine_where_the_valve_moves_like_th
                       chamber_pressure=run['chamber_pressure'] + noise), DECLARED)
 
 
+def test_a_sweep_of_back_pressures_gives_the_chamber_time_to_fill():
+    back = np.r_[np.linspace(180e3, 255e3, 15), np.linspace(250e3, 185e3, 14)]
+    gain = DECLARED.ep_converter.gain
+    settled = [simulate(DECLARED, np.arange(0.0, 60.0, 0.5), np.full(120, one / gain))
+               ['chamber_pressure'][-1] for one in back]
+    experiment = prepare(record_of(back_pressure=back, chamber_pressure=settled), DECLARED)
+    assert experiment.drives == ('back_pressure',)
+    predicted = experiment.predict(DECLARED)['chamber_pressure']
+    assert np.abs(predicted - settled).max() < 400.0  # the last of it takes minutes
+
+
+def slow(values, first, every=10, noise=150.0):
+    """Return a channel that has a noisy value in one of so many rows, from one on."""
+    sparse = np.full(len(values), np.nan)
+    sparse[first::every] = values[first::every]
+    return sparse + noise * np.random.default_rng(first).standard_normal(len(values))
+
+
+@pytest.mark.parametrize(('drive', 'first'), [
+    ('supply_pressure', 0), ('supply_pressure', 3), ('back_pressure', 3)])
+def test_slow_channels_need_not_have_their_values_in_the_same_rows(drive, first):
+    time = 0.01 * np.arange(6000)
+    current = 0.44e-3 + 0.02e-3 * np.abs((time / 15.0) % 2.0 - 1.0)
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 230e3})
+    commanded = {'control_current': current} if drive == 'supply_pressure' else {}
+    experiment = prepare(record_of(
+        time=time, **commanded, valve_position=run['valve_position'],
+        chamber_pressure=slow(run['chamber_pressure'], 5), **{drive: slow(run[drive], first)},
+    ), DECLARED)
+    assert len(experiment.time) > 5980
+    assert experiment.initial.chamber_pressure == pytest.approx(
+        run['chamber_pressure'][len(time) - len(experiment.time)], abs=1500.0)
+    assert misses(experiment)['chamber_pressure'] < 1.2
+
+
+def test_a_drive_that_was_read_once_is_named_where_no_row_is_left_by_it():
+    columns = step_test()
+    columns['supply_pressure'] = np.r_[400e3, np.full(ROWS - 1, np.nan)]
+    with pytest.raises(RecordError, match='lack supply_pressure'):
+        prepare(record_of(**columns), DECLARED)
+
+
+@pytest.mark.parametrize('apart', [2.0, 5.0])
+@pytest.mark.parametrize('reading', [0.0, 8e-3])
+def test_a_dead_sensor_says_nothing_of_the_unit_of_time(apart, reading):
+    time = apart * np.arange(300)
+    current = np.repeat(np.random.default_rng(1).choice([0.42e-3, 0.44e-3, 0.46e-3], 20), 15)
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 230e3})
+    noise = 150.0 * np.random.default_rng(2).standard_normal(300)
+    experiment = prepare(record_of(
+        time=time, control_current=current, chamber_pressure=run['chamber_pressure'] + noise,
+        valve_position=np.full(300, reading)), DECLARED)
+    assert experiment.channels == ('chamber_pressure',)
+
+
 def test_a_pressure_that_hardly_moves_for_a_leak_is_in_no_other_unit():
     leaking = DECLARED._replace(actuator=DECLARED.actuator._replace(leak_area=2e-6))
     columns = step_test()
@@ -734,6 +789,17 @@ def test_commands_that_were_read_now_and_then_are_taken_as_what_they_may_have_be
     compared = [np.isfinite(values).mean() for values in experiment.measured.values()]
     assert 0.1 < min(compared) <= max(compared) < 0.5
     assert 'were read now and then' in experiment.notes[-1]
+
+
+@pytest.mark.parametrize('jitter', [2e-3, 0.05])
+def test_they_are_so_where_rows_are_not_quite_evenly_spaced_as_well(jitter):
+    columns = read_now_and_then(50)
+    moved = np.random.default_rng(3).uniform(-jitter, jitter, len(columns['time']))
+    columns['time'] = columns['time'] + np.r_[0.0, moved[1:]] * 0.01
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert 'were read now and then' in experiment.notes[-1]
+    assert experiment.noise['chamber_pressure'] < 300.0
+    assert max(misses(experiment).values()) < 1.3
 
 
 def test_thinned_rows_of_commands_that_were_read_now_and_then_meet_the_noise_as_well():

@@ -5,15 +5,15 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-from made_diagnosis import DECLARED, record_of
+from made_diagnosis import DECLARED, record_of, timed_columns
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.diagnose import diagnose, known_together
+from booster_ros.diagnosis.diagnose import _refitted, diagnose, known_together
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.fit import START, Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import (
-    BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, put)
+    BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, loosened, put)
 from booster_ros.diagnosis.fitting.intervals import (
     block_bootstrap, interval_of, own_sizes, undetermined)
 from booster_ros.diagnosis.last_fit import LastFit
@@ -361,3 +361,18 @@ def test_a_declared_parameter_that_ends_at_its_limit_is_pointed_out():
         assert len(said) == gain.at_limit
         assert not area.at_limit
         assert not any('max_area' in note for note in found.notes)
+
+
+def test_beside_what_loosens_it_a_parameter_has_its_own_limit():
+    """A gain 12 % off is at the end of a usual refit, and not of one beside a bent curve."""
+    free = next(one for one in declared_freedom(P, prepare(record_of(timed_columns()), P))
+                if one.knob.parameter == 'ep_converter.gain')
+    bent = EFFECTS['ep_nonlinearity']
+    looser = loosened(free, bent)
+    for share, wide, limit in ((1.1, free, True), (1.1, looser, False), (1.3, looser, True)):
+        after = put(P, 'ep_converter.gain', share * P.ep_converter.gain)
+        start = Fit((wide,), np.zeros(1), P, Initial(0.0), 0.0, np.zeros((1, 1)))
+        search = SimpleNamespace(freedoms=(free,), declared=P)
+        (found,) = _refitted(start, replace(start, parameters=after), search)
+        assert found.at_limit is limit
+        assert found.spread == pytest.approx(wide.spread)

@@ -244,12 +244,15 @@ def _at_limit(free: Free, z: float) -> bool:
 
 def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
     rows = []
+    last = {(free.knob.parameter, free.element): free for free in after.freedoms}
     for free in search.freedoms:
         name, element = free.knob.parameter, free.element
-        z_before, z = (free.variable(get(fit.parameters, name, element)) for fit in (before, after))
+        looser = last.get((name, element), free)  # beside an effect that loosens it
+        z = looser.variable(get(after.parameters, name, element))
         rows.append(Refitted(
             label(free), DESCRIPTIONS[name].unit,
             get(search.declared, name, element), get(before.parameters, name, element),
-            get(after.parameters, name, element), free.spread,
-            free.away(z_before), free.away(z), _at_limit(free, z)))
+            get(after.parameters, name, element), looser.spread,
+            free.away(free.variable(get(before.parameters, name, element))), looser.away(z),
+            _at_limit(looser, z)))
     return tuple(rows)

@@ -18,7 +18,7 @@ from ..diagnosis.calibration import calibrated
 from ..diagnosis.change import since_change
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment.experiment import Experiment
-from ..diagnosis.preparing.preparation import DWELL_COMMANDED, DWELL_PINNED, prepare
+from ..diagnosis.preparing.preparation import DWELL_FILLED, DWELL_PINNED, prepare
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.validation import validated
 from ..model.parameters import ParameterError, from_values
@@ -111,7 +111,7 @@ def _parser() -> argparse.ArgumentParser:
         '(default: %(default)s)')
     add('--dwell', type=_seconds, metavar='S',
         help='how long each row of a sweep without time stood, s (default: '
-        f'{DWELL_COMMANDED:g} where the current drives, else {DWELL_PINNED:g})')
+        f'{DWELL_FILLED:g}, where the chamber pressure drives {DWELL_PINNED:g})')
     add('--calibrate', type=_count, metavar='N',
         help='also count how often something is added to N simulated records in which nothing is '
         'missing; each takes as long as a diagnosis')

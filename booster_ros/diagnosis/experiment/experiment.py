@@ -28,6 +28,9 @@ Multiplies the solver's tolerance where rows are thinned: an error of 1 Pa and 0
 any noise, at two thirds of the time.
 """
 
+ARRIVED = 0.05
+"""Share of the time for which a row of a sweep is dwelt on, after which its drives are there."""
+
 OUTPUT_OF = {
     'back_pressure': 'back_pressure',
     'supply_pressure': 'supply_pressure',
@@ -137,6 +140,8 @@ class Experiment:
 
     def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:
         """Return time, standing current and measured drives to simulate, and where rows are."""
+        if self.quasi_static and self.pinned and 'chamber_pressure' not in self.pinned:
+            return self._dwelt_on()
         if self.ends is None:
             return self.time, self.current, self.pinned, slice(None)
         steps = np.diff(self.time)
@@ -149,6 +154,15 @@ class Experiment:
         return (time, current, {name: np.interp(time, self.time, values)
                                 for name, values in self.pinned.items()},
                 np.arange(len(self.time)) * parts)
+
+    def _dwelt_on(self) -> tuple[Array, Array, dict[str, Array], Array]:
+        """Return the course of a sweep whose drives come soon and stand until each row is read."""
+        arrived = self.time[:-1] + ARRIVED * np.diff(self.time)
+        time = np.append(np.column_stack([self.time[:-1], arrived]).ravel(), self.time[-1])
+        pinned = {name: np.append(values[:1], np.repeat(values[1:], 2))
+                  for name, values in self.pinned.items()}
+        return time, np.append(np.repeat(self.current[:-1], 2), self.current[-1]), pinned, (
+            2 * np.arange(len(self.time)))
 
     def predict(self, parameters: PositionerParameters, initial: Initial | None = None
                 ) -> dict[str, Array]:

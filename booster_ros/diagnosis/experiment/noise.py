@@ -32,6 +32,9 @@ end of its sensor: finer steps than `FINE` repeat in less than half as many."""
 FINE = 0.3
 """Steps up to this share of the noise move the median of differences by less than 5 %."""
 
+FROZEN = 8
+"""Rows in which a channel reads the same value, one after the other, from which it is frozen."""
+
 FLICKERS = 0.16
 """Variance of noise and rounding, in squares of a step, below which noise shows as flicker: there
 both ways of reading it come nearest to each other."""
@@ -44,7 +47,7 @@ def white_noise(signal: Array) -> float:
     Where most rows are empty, as of a channel slower than the others, of the rows it has. NaN where
     there are too few.
     """
-    signal = off_its_ends(signal)
+    signal = off_its_ends(_alive(signal))
     third = _third_differences(signal)
     if len(third) < FEWEST_DIFFERENCES:
         return float('nan')
@@ -57,6 +60,27 @@ def white_noise(signal: Array) -> float:
     level = float(mad / np.sqrt(_THIRD_DIFFERENCE_GAIN))
     quiet = _noise_of_quiet_pieces(signal)
     return quiet if quiet < LOUD * level else level
+
+
+def _alive(signal: Array) -> Array:
+    """
+    Return the signal without values (NaN) where it reads the same again and again, shape (n,).
+
+    A sensor that freezes, or is cut off, shows no noise there, and what it shows elsewhere is that
+    of the channel. As it is where values repeat elsewhere as well, so that steps are coarse.
+    """
+    known = np.flatnonzero(np.isfinite(signal))
+    begins = np.append(True, np.diff(signal[known]) != 0.0)
+    runs = np.flatnonzero(begins)
+    lengths = np.diff(np.append(runs, len(known)))
+    frozen = np.repeat(lengths >= FROZEN, lengths)
+    moving = np.count_nonzero(~frozen)
+    repeats = np.count_nonzero(~begins & ~frozen)
+    if moving == len(known) or moving < PIECE or repeats > 0.5 * REPEATS * moving:
+        return signal
+    alive = signal.copy()
+    alive[known[frozen]] = np.nan
+    return alive
 
 
 def off_its_ends(signal: Array) -> Array:

@@ -280,20 +280,24 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
     step = float(np.median(np.diff(experiment.time)))
     if USUAL_STEP[0] <= step <= USUAL_STEP[1]:
         return
-    given = _miss(experiment, declared)
+    predicted = experiment.predict(declared)
+    # what a dead sensor does is next to nothing, and would outweigh all else
+    sizes = {name: max(float(np.nanstd(measured)), float(np.std(predicted[name])), SMALLEST)
+             for name, measured in experiment.measured.items()}
+    given = _miss(experiment, predicted, sizes)
     for unit, seconds in SECONDS.items():
         other = replace(experiment, time=seconds * experiment.time)
         suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
-        if suits and _miss(other, declared) < CLEARLY_BETTER * given:
+        if suits and _miss(other, other.predict(declared), sizes) < CLEARLY_BETTER * given:
             raise RecordError(
                 f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
                 f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
                 'to seconds')
 
 
-def _miss(experiment: Experiment, declared: PositionerParameters) -> float:
-    """Return the error of the declared model, as a share of what each channel does."""
-    predicted = experiment.predict(declared)
+def _miss(experiment: Experiment, predicted: Mapping[str, Array], sizes: Mapping[str, float]
+          ) -> float:
+    """Return the error of a prediction, as a share of what each channel does."""
     every = np.ones(len(experiment.time), dtype=bool)
-    return sum(rmse(measured, predicted[name], every) / max(float(np.nanstd(measured)), SMALLEST)
+    return sum(rmse(measured, predicted[name], every) / sizes[name]
                for name, measured in experiment.measured.items())

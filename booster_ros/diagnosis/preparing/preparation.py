@@ -28,9 +28,9 @@ from booster_ros.records.time_axis import longest_usual
 Array = np.ndarray
 
 DWELL_PINNED = 0.25
-DWELL_COMMANDED = 30.0
-"""How long each row of a sweep without time stands, s: where a pressure drives, only the stem has
-to follow; where the current drives, the chamber has to fill."""
+DWELL_FILLED = 30.0
+"""How long each row of a sweep without time stands, s: where the chamber pressure drives, only the
+stem has to follow; where the current or the back pressure does, the chamber has to fill."""
 
 FEWEST_ROWS = 12
 """Rows that must be comparable at the least."""
@@ -77,7 +77,7 @@ def prepare(
     gaps = [] if quasi_static else gaps_that_hide(time, columns, role.drives)
     usable = _usable_rows(time, columns, role, quasi_static)
     compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
-    _check_enough(compared, record.source)
+    _check_enough(compared, record.source, *sparse, *trimmed)
     current = _current(columns, role, quasi_static)
     pinned = {name: bridged(time, columns[name]) for name in role.pinned}
     rests = [] if quasi_static else rests_of(time, [current, *pinned.values()])
@@ -88,7 +88,8 @@ def prepare(
         measured=compared,
         noise={name: noise[name] for name in role.compared},
         pinned=pinned,
-        initial=start_state(columns, declared, noise),
+        initial=start_state({name: values if np.isfinite(values[0]) else _between_samples(
+            columns.get('time'), values) for name, values in columns.items()}, declared, noise),
         drive_noise={} if quasi_static else {
             name: _drive_noise(name, values, rests) for name, values in sampled.items()},
         quasi_static=quasi_static,
@@ -113,11 +114,12 @@ def prepare(
         *experiment.notes, *_still_notes(experiment.measured)))
     if quasi_static:
         return experiment
-    if commands_may_be_late(experiment):
+    told = with_sampled_commands(experiment, declared)
+    if told is not experiment:
+        _check_enough(told.measured, record.source, *told.notes[-1:])
+        experiment = told
+    elif commands_may_be_late(experiment):
         experiment = with_noise_of_timing(experiment, declared)
-    else:
-        experiment = with_sampled_commands(experiment, declared)
-        _check_enough(experiment.measured, record.source, *experiment.notes[-1:])
     if role.commanded and 'back_pressure' not in columns:
         experiment = with_start_of_converter(experiment, declared)
     return _with_noise_of_drives(experiment, declared)
@@ -151,7 +153,10 @@ def _from_known_start(
     """Return the columns from the row on, and to the row, at which drives and start are known."""
     drives = list(role.drives)
     needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
-    driven, started = (np.all([np.isfinite(record[name]) for name in names], axis=0)
+    time = record.columns.get('time')
+    known = {name: np.isfinite(record[name] if name == 'control_current' else
+                               _between_samples(time, record[name])) for name in needed}
+    driven, started = (np.all([known[name] for name in names], axis=0)
                        if names else np.ones(len(record), dtype=bool) for names in (drives, needed))
     if not started.any():
         raise RecordError(f'{record.source}: no row has all of {", ".join(needed)}')
@@ -170,7 +175,7 @@ def _left_out(record: Record, needed: list[str], first: int, last: int | None) -
 
 
 def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
-    step = dwell or (DWELL_COMMANDED if role.commanded else DWELL_PINNED)
+    step = dwell or (DWELL_PINNED if 'chamber_pressure' in role.pinned else DWELL_FILLED)
     return step * np.arange(rows)
 
 
@@ -220,13 +225,16 @@ def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
     return DriveNoise(max(float(level), LEAST_NOISE[name]), every, coloured.correlation)
 
 
-def _between_samples(time: Array, values: Array) -> Array:
-    """Return a drive that was sampled more slowly than the rows, filled but for its own gaps."""
+def _between_samples(time: Array | None, values: Array) -> Array:
+    """Return what was sampled more slowly than the rows, filled but for its own gaps."""
+    if time is None:
+        return values
     known = time[np.isfinite(values)]
     if len(known) < 3:
         return values
     after = np.searchsorted(known, time).clip(1, len(known) - 1)
     near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
+    near &= (time >= known[0]) & (time <= known[-1])
     return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
 
 

@@ -11,16 +11,22 @@ in each segment then; the locked part stays closed.
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE, Candidate
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.actuator import has_dry_friction
 
+Array = np.ndarray
+
 PLAUSIBLE = 12.0
 """Sum of squared departures of the declared parameters that their priors still allow."""
 
-PATCH = 1.3
-"""Mean square misfit of a single segment up to which it is noise."""
+PATCH, SELDOM = 1.3, 0.01
+"""
+Mean square misfit of a single segment up to which it is noise; more where it has so few values that
+noise would leave more in one of the segments more often than that.
+"""
 
 
 def fitted_to_noise(candidate: Candidate) -> bool:
@@ -39,8 +45,13 @@ def taught(search: Search, candidate: Candidate) -> Candidate | None:
         return None
     both = search.on_both(candidate, search.thinning)
     noise = fitted_to_noise(both) and (
-        both.by_segment <= PATCH * search.values_held_back()).all()
+        both.by_segment <= most_by_noise(search.values_held_back())).all()
     return both if noise and _departures(both) < PLAUSIBLE else None
+
+
+def most_by_noise(values: Array) -> Array:
+    """Return the sum of squares that noise leaves in segments of so many values, at the most."""
+    return np.maximum(PATCH * values, chi2.ppf(1.0 - SELDOM / len(values), np.maximum(values, 1)))
 
 
 def _departures(candidate: Candidate) -> float:
