@@ -564,6 +564,23 @@ def test_what_is_left_without_an_effect_that_was_none_begins_where_it_was_with_i
     assert left.misfit < 1.3
 
 
+def test_a_bent_stem_is_left_alone_by_the_plain_friction_that_it_was_found_beside():
+    """Uniform friction came first, and is in the bent stem's: alone that had got stuck."""
+    search = searching(seen(P._replace(actuator=P.actuator._replace(
+        coulomb_friction=100.0, friction_gradient=600.0))), ())
+    values = {'actuator.coulomb_friction': 100.0, 'actuator.friction_gradient': 600.0,
+              'actuator.stiction': 2.0, 'actuator.presliding_stiffness': 0.0}
+    both = ('stem_friction', 'position_dependent_friction')
+    chosen = standing_at(search, both, values)
+    stuck = standing_at(search, both[1:], {**values, 'actuator.friction_gradient': 60.0})
+    assert not search.fault(chosen.problem, chosen.fit, 'stem_friction')
+    assert stuck.score > 2.0 * chosen.score
+    left = _backward(search, chosen, [chosen, stuck], {})
+    assert left.effects == both[1:]
+    assert left.misfit < 1.3
+    assert left.fit.parameters.actuator.friction_gradient == pytest.approx(600.0, rel=0.05)
+
+
 def test_a_rival_that_got_stuck_meets_again_if_it_leaves_less_above_the_stem():
     """Its own friction is far off: it begins with that of the choice."""
     search = searching(seen(LEAKING), ())

@@ -40,7 +40,8 @@ COLUMNS: Mapping[str, Column] = {
     'mass_flow': Column(
         'kg/s', 'flow out of the booster towards the chamber', 1.0, 'g/s, kg/h or l/min'),
     'chamber_pressure': Column('Pa', 'gauge pressure in the actuator', 5e6, 'raw counts'),
-    'valve_position': Column('m', 'stem travel from closed', 0.5, 'mm, % or a fraction of travel'),
+    'valve_position': Column(
+        'm', 'stem travel from where it rests vented', 0.5, 'mm, % or a fraction of travel'),
 }
 """The columns of a record, most upstream first after `time`."""
 

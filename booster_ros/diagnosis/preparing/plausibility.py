@@ -224,8 +224,8 @@ def check_direction(
         return
     if np.nansum(position) < 0.0:
         raise RecordError(
-            f'{source}, column valve_position: lies mostly below closed and falls where the '
-            'declared model opens: reverse its sign, positions count from closed')
+            f'{source}, column valve_position: lies mostly below 0 and falls where the declared '
+            'model opens: reverse its sign, positions count from where the vented stem rests')
     raise RecordError(
         f'{source}, column valve_position: falls where the declared model opens: positions count '
         'from where the vented stem rests, which is open for a valve that air closes (subtract '

@@ -35,6 +35,7 @@ import itertools
 
 import numpy as np
 
+from booster_ros.diagnosis.fitting.intervals import within
 from booster_ros.diagnosis.searching.birthplace import called_for_above
 from booster_ros.diagnosis.searching.candidate import (
     NEAR_NOISE, Candidate, clearly_better, preferred_first, why_dropped)
@@ -70,8 +71,10 @@ catalogue lowers that of a clean record by 5 to 10.
 """
 
 STUCK = 2.0
-"""Without an effect that is not told from none a model scores as with it: one whose score is so
-many times as large got stuck."""
+"""
+Without an effect that is not told from none, or that another one has in it, a model scores as with
+it: one whose score is so many times as large got stuck.
+"""
 
 CLEARED = 0.3
 """Of what is left above noise, the share that an effect may leave where little was left."""
@@ -360,7 +363,8 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
         smaller = _without(search, chosen, name, everything, fewer)
         fault = search.fault(chosen.problem, chosen.fit, name)
         sticks = has_dry_friction(smaller.fit.parameters.actuator)
-        if fault and sticks and smaller.score > STUCK * chosen.score:
+        contained = any(name in within(other) for other in smaller.effects)
+        if (fault or contained) and sticks and smaller.score > STUCK * chosen.score:
             smaller = search.without(chosen, smaller.effects)
         everything.append(smaller)
         if fault or not clearly_better(chosen, smaller):
