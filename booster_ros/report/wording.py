@@ -95,9 +95,9 @@ def _sentences_on_change(diagnosis: Diagnosis, change: Change) -> list[str]:
 
 
 def _sentence_on_silent(change: Change) -> str:
-    return (f'The {channel_listing(change.silent)} has one value from then on while the model '
-            'moves it: the sensor is dead or cut off, or the valve sticks fast. It is not compared '
-            'there.')
+    return (f'The {channel_listing(change.silent)} has one value from then on, or none, while the '
+            'model moves it: the sensor is dead or cut off, or the valve sticks fast. It is not '
+            'compared there.')
 
 
 def _sentence_on_moved(change: Change) -> str:
