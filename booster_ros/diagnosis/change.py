@@ -29,8 +29,7 @@ from booster_ros.diagnosis.fitting.applicable import free_to_refit
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import label
 from booster_ros.diagnosis.preparing.preparation import prepare
-from booster_ros.diagnosis.result import (
-    AS_GOOD_AS_MEASURED, Change, ChannelError, Diagnosis, FoundEffect, Moved)
+from booster_ros.diagnosis.result import Change, ChannelError, Diagnosis, FoundEffect, Moved
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
 from booster_ros.diagnosis.searching.search import EVALUATIONS, THINNING, thinned
 from booster_ros.model.parameters import DESCRIPTIONS
@@ -97,8 +96,7 @@ def since_change(
     if not moved:
         return later
     likeliest, *others = moved
-    return replace(later, verdict='unknown', effects=(FoundEffect(
-        'unknown', _place(likeliest.name), {}, tuple(one.name for one in others), '', {}),))
+    return _unknown(later, _place(likeliest.name), tuple(one.name for one in others))
 
 
 def _left(errors: Mapping[str, ChannelError]) -> float:
@@ -110,14 +108,18 @@ def _left(errors: Mapping[str, ChannelError]) -> float:
 def _silenced(later: Diagnosis, change: Change) -> Diagnosis:
     """Return the diagnosis of a record in which a channel says nothing of the valve any more."""
     place = 'sensor' if _meets(later) else 'stem'  # a stem that is stuck moves the pressure as well
-    return replace(later, verdict='unknown', change=replace(change, cut=True), effects=(
-        FoundEffect('unknown', place, {}, (), '', {}),))
+    return _unknown(replace(later, change=replace(change, cut=True)), place)
+
+
+def _unknown(later: Diagnosis, place: str, others: tuple[str, ...] = ()) -> Diagnosis:
+    """Return the diagnosis with something that no effect of the catalogue is, in this place."""
+    return replace(later, verdict='unknown', effects=(
+        FoundEffect('unknown', place, {}, others, '', {}),))
 
 
 def _meets(diagnosis: Diagnosis) -> bool:
     """Tell whether the last model meets all that could be compared, the locked part as well."""
-    return all(one.after <= AS_GOOD_AS_MEASURED * one.noise
-               for one in (*diagnosis.error.values(), *diagnosis.held_out.values())
+    return all(one.met for one in (*diagnosis.error.values(), *diagnosis.held_out.values())
                if np.isfinite(one.after))
 
 

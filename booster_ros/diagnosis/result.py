@@ -130,6 +130,11 @@ class ChannelError:
     after: float
     noise: float
 
+    @property
+    def met(self) -> bool:
+        """Whether the last model leaves no more than noise."""
+        return self.after <= AS_GOOD_AS_MEASURED * self.noise
+
 
 def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
               ) -> dict[str, ChannelError]:

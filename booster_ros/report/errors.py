@@ -40,7 +40,7 @@ def judged(diagnosis: Diagnosis) -> dict[str, ChannelError]:
 
 def reaches_noise(errors: Mapping[str, ChannelError]) -> bool:
     """Tell whether the last model leaves no more than noise in any channel."""
-    return all(_is_noise(error) for error in errors.values())
+    return all(error.met for error in errors.values())
 
 
 def meets_all(diagnosis: Diagnosis) -> bool:
@@ -58,7 +58,7 @@ def left_in(errors: Mapping[str, ChannelError], compared: bool = False) -> list[
     """Return how much is left in each channel in which that is more than noise."""
     return [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
             + (f' ({number(e.before / e.noise, 2)} without it)' if compared else '')
-            for name, e in errors.items() if not _is_noise(e)]
+            for name, e in errors.items() if not e.met]
 
 
 def sentence_on_misses(diagnosis: Diagnosis) -> str:
@@ -143,7 +143,3 @@ def _how_few(diagnosis: Diagnosis) -> str:
     if experiment.quasi_static or values >= FEW:
         return ''
     return f', of which there are {values} in a channel at the most'
-
-
-def _is_noise(error: ChannelError) -> bool:
-    return error.after <= AS_GOOD_AS_MEASURED * error.noise

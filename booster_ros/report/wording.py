@@ -41,17 +41,17 @@ def _when(change: Change) -> str:
 
 def verdict_title(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
-    if diagnosis.change is not None and diagnosis.verdict == 'none':
-        return f'Something changed at {_when(diagnosis.change)}'
+    change = diagnosis.change
+    if change is not None and diagnosis.verdict == 'none':
+        return f'Something changed at {_when(change)}'
     if diagnosis.verdict == 'none':
         if meets_all(diagnosis) and reaches_noise(scored(diagnosis.validation)):
             return 'The declared model, refitted, is enough for this record'
         return 'Nothing to add'
-    if diagnosis.change is not None and diagnosis.change.moved:
-        return f'The valve changed at {_when(diagnosis.change)}'
-    if diagnosis.change is not None and diagnosis.change.silent and diagnosis.change.cut:
-        return (f'From {_when(diagnosis.change)} on the {channel_listing(diagnosis.change.silent)} '
-                'stands still')
+    if change is not None and change.moved:
+        return f'The valve changed at {_when(change)}'
+    if change is not None and change.silent and change.cut:
+        return f'From {_when(change)} on the {channel_listing(change.silent)} stands still'
     if diagnosis.verdict == 'unknown':
         if diagnosis.refused is not None:
             return 'The model lacks something that no named effect explains'
