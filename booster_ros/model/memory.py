@@ -11,10 +11,10 @@ from .state import CHAMBER, POSITION
 from .sticking import sliding_direction
 from .system import PositionerParameters
 
-# What is remembered from one interval to the next besides the state: the stem's direction of
-# sliding (0 stuck or no dry friction), the solver's next trial step, how often the present slide
-# has been found stiff, the length of a step that reaches beyond the interval (0 for none) and how
-# much of it has passed, the current that it is for, the plays and the sensors.
+# The stem's direction of sliding (0 stuck or no dry friction), the solver's next trial step, how
+# often the present slide has been found stiff, the length of a step that reaches beyond the
+# interval (0 for none) and how much of it has passed, the current that it is for, the plays and the
+# sensors.
 (DIRECTION, TRIAL_STEP, STIFFNESS, STEP_AHEAD, PASSED, STANDING, EP_PLAY, LAGGED_PRESSURE,
  LAGGED_POSITION, POSITION_PLAY) = range(10)
 MEMORIES = 10
