@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from booster_ros.records import RecordError, read_record
 from booster_ros.records.bag_writer import STORAGE, BagWriter
-from booster_ros.records.time_base import Signal, merge
+from booster_ros.records.time_base import Signal, carried, merge
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 START = 1_700_000_000_000_000_000
@@ -172,6 +172,14 @@ def test_a_signal_at_other_times_keeps_its_noise(tmp_path):
     assert np.std(left) == pytest.approx(1.0, abs=0.06)
 
 
+def test_of_two_samples_in_one_row_the_nearer_counts():
+    time = np.arange(20) / 100
+    for late in (0.001, -0.001):  # the nearer one comes first, or last
+        at = np.sort(np.concatenate([time - 0.003 * np.sign(late), time + late]))
+        values = np.where(np.isin(at, time + late), 1.0, 0.0)
+        assert carried(Signal('/p', at, values), time)[2:-2] == pytest.approx(1.0)
+
+
 def test_a_signal_has_no_rows_in_its_gap(tmp_path):
     messages = [
         message for message in plain_messages()
@@ -236,8 +244,8 @@ def test_header_time_does_not_depend_on_arrival_and_pressure_becomes_gauge(tmp_p
 
 @pytest.mark.parametrize(('messages', 'says'), [
     (plain_messages(), 'no topic has stamps in its header'),
-    ([fluid_pressure('/chamber_pressure', 1e5, START + k * TICK, START - k * TICK)
-      for k in range(9)], 'header stamps of topic /chamber_pressure run backwards at message 2'),
+    ([fluid_pressure('/chamber_pressure', 1e5, START + k * TICK, START + abs(k - 4) * -TICK)
+      for k in range(9)], 'header stamps of topic /chamber_pressure run backwards at message 6'),
     ([message for k in range(9) for message in (
         fluid_pressure('/chamber_pressure', 1e5, START + k * TICK, 10**9 + k * TICK),
         float64('/control_current', 4e-4, START + k * TICK))],
@@ -283,12 +291,17 @@ def test_the_state_of_a_positioner_fills_the_columns_without_a_topic(tmp_path):
                 supply_pressure=4e5, mass_flow=1e-6 * tick, measured_chamber_pressure=-1.0,
                 chamber_pressure=-1.0, measured_valve_position=1e-4 * tick, valve_position=-1.0),
         ]
-    record = read_record(write_bag(tmp_path / 'record', messages))
+    bag = write_bag(tmp_path / 'record', messages)
+    record = read_record(bag)
     np.testing.assert_array_equal(record['chamber_pressure'], 5e3 + np.arange(20))
     np.testing.assert_array_equal(record['back_pressure'], 2e5 + np.arange(20))
     np.testing.assert_allclose(record['valve_position'], 1e-4 * np.arange(20))
     # The state names the current that led to it: it belongs to the row before.
     np.testing.assert_allclose(record['control_current'][:19], 1e-5 * np.arange(1, 20))
+    asked = {'valve_position': '/positioner/state', 'back_pressure': '/positioner/state:mass_flow'}
+    record = read_record(bag, asked)
+    np.testing.assert_allclose(record['valve_position'], 1e-4 * np.arange(20))
+    np.testing.assert_allclose(record['back_pressure'], 1e-6 * np.arange(20))
 
 
 @pytest.mark.parametrize(('messages', 'topics', 'says'), [
