@@ -19,15 +19,17 @@ from booster_ros.diagnosis.fitting.intervals import interval_of
 from booster_ros.diagnosis.last_fit import _without, last_fit, verdict_of
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.result import UnknownTerm
-from booster_ros.diagnosis.searching import selection
+from booster_ros.diagnosis.searching import forward
+from booster_ros.diagnosis.searching.backward import _backward, compared
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE, gain, preferred_first, told_apart
 from booster_ros.diagnosis.searching.cascade import (
     above_the_stem, as_seen_above, shows_above_the_stem)
+from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.nameless import best_terms, compete, preferable
 from booster_ros.diagnosis.searching.rematch import _by_slips, _plainest_above, rematch
 from booster_ros.diagnosis.searching.screening import (
     references, screen, strong_frequencies, with_effect)
-from booster_ros.diagnosis.searching.selection import Tried, _backward, compared, named
+from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import most_by_noise, taught
 from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
 from booster_ros.diagnosis.validation import validated
@@ -288,7 +290,7 @@ def test_where_scores_are_alike_the_plainest_effect_that_is_called_for_is_added(
         replace(missing, effects=(name,), by_segment=share * refit.by_segment)
         for name, share in (('dead_time', 1.9), ('chamber_leak', 1.3), ('supply_droop', 1.2)))
     rounds = itertools.chain([[short, enough, further]], itertools.repeat([]))
-    monkeypatch.setattr(selection, '_round', lambda *_, **__: next(rounds))
+    monkeypatch.setattr(forward, '_round', lambda *_, **__: next(rounds))
     assert named(search, missing, lambda *_: None).chosen is enough
 
 
@@ -301,7 +303,7 @@ def test_a_third_effect_is_not_sought_where_that_is_in_vain(in_vain, monkeypatch
         for effects, times in (((), 9.0), (('dead_time',), 5.0),
                                (('dead_time', 'chamber_leak'), 3.0)))
     rounds = iter([[first], [second], []])
-    monkeypatch.setattr(selection, '_round', lambda *_, **__: next(rounds))
+    monkeypatch.setattr(forward, '_round', lambda *_, **__: next(rounds))
     asked = []
 
     def beyond(tried):

@@ -23,10 +23,11 @@ from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
 from booster_ros.diagnosis.searching.cascade import search_above
 from booster_ros.diagnosis.searching.nameless import best_terms
+from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.next_effect import extend, shows_in_means
 from booster_ros.diagnosis.searching.screening import references, screen
 from booster_ros.diagnosis.searching.search import Search, carried
-from booster_ros.diagnosis.searching.selection import Tried, named
+from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file

@@ -20,11 +20,13 @@ from booster_ros.diagnosis.locked_part import DOES_NOT_STAND, less_the_locked_pa
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
     Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either, errors_of)
+from booster_ros.diagnosis.searching.backward import compared
 from booster_ros.diagnosis.searching.birthplace import where_born
 from booster_ros.diagnosis.searching.candidate import Candidate, best_of_each, gain, told_apart
+from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.searching.search import Search
-from booster_ros.diagnosis.searching.selection import Progress, Tried, compared, named
+from booster_ros.diagnosis.searching.selection import Progress, Tried
 from booster_ros.diagnosis.searching.unknown import UNNAMED, label_of, place_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import NONE

@@ -13,7 +13,8 @@ from booster_ros.diagnosis.searching.candidate import (
 from booster_ros.diagnosis.searching.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.searching.search import (
     EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished)
-from booster_ros.diagnosis.searching.selection import WELL_EXPLAINED, Tried
+from booster_ros.diagnosis.searching.forward import WELL_EXPLAINED
+from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught_what_it_missed
 from booster_ros.diagnosis.searching.unknown import (
     UNNAMED, linear_reach, moved, terms, with_free_past)

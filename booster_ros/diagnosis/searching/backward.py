@@ -1,0 +1,110 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Steps 6 and 7 of the selection: each effect is exchanged, left out, and compared again."""
+
+from dataclasses import replace
+
+from booster_ros.diagnosis.fitting.intervals import within
+from booster_ros.diagnosis.searching.candidate import Candidate, clearly_better, preferred_first
+from booster_ros.diagnosis.searching.cascade import shows_above_the_stem
+from booster_ros.diagnosis.searching.next_effect import extend
+from booster_ros.diagnosis.searching.rematch import rematch
+from booster_ros.diagnosis.searching.search import FAR_BEHIND, Search
+from booster_ros.diagnosis.searching.selection import Progress, Tried, tried_of
+from booster_ros.model.actuator import has_dry_friction
+
+_Fewer = dict[tuple[Candidate, tuple[str, ...]], Candidate]
+
+STUCK = 2.0
+"""
+Without an effect that is not told from none, or that another one has in it, a model scores as with
+it: one whose score is so many times as large got stuck.
+"""
+
+
+def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
+    """Carry out steps 6 and 7: each effect is exchanged and left out, what is close fitted anew."""
+    everything = list(tried.all)
+    fewer: _Fewer = {}
+    chosen = _exchanged(search, tried.chosen, everything, tell, fewer)
+    chosen = _backward(search, chosen, everything, fewer)
+    tell('comparing those nearest to each other', 0.78)
+    again = rematch(search, chosen, everything)
+    everything += again
+    chosen = _pruned(search, again[0], everything)
+    return tried_of(tried.refit, chosen, everything)
+
+
+def _without(search: Search, chosen: Candidate, name: str, everything: list[Candidate],
+             fewer: _Fewer) -> Candidate:
+    """
+    Return the chosen model with one effect less, fitted once.
+
+    Where the stem sticks the fit of the round that had it serves: another takes long.
+    """
+    rest = tuple(e for e in chosen.effects if e != name)
+    if (chosen, rest) not in fewer:
+        same = [one for one in everything if set(one.effects) == set(rest)
+                and has_dry_friction(one.fit.parameters.actuator)]
+        fewer[chosen, rest] = min(same, key=lambda c: c.score) if same else search.without(
+            chosen, rest)
+    return fewer[chosen, rest]
+
+
+def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress,
+               fewer: _Fewer) -> Candidate:
+    """
+    Try every other effect in the place of each of several.
+
+    The first was chosen while the others were missing and may have imitated them; what does as
+    well in its place is told apart from it here, or reported beside it. In the place of the last
+    all others have been tried already.
+    """
+    for k, name in enumerate(chosen.effects[:-1]):
+        tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
+        parent = _without(search, chosen, name, everything, fewer)
+        parent = replace(parent, lasting=chosen.lasting.intersection(parent.effects))
+        others = extend(
+            search, parent, lambda: None, _not_instead(chosen, parent, name, search.names),
+            worth=FAR_BEHIND * chosen.fit.cost)
+        everything += others
+        best = preferred_first([chosen, *others])[0]
+        if best is not chosen:
+            return best
+    return chosen
+
+
+def _not_instead(chosen: Candidate, parent: Candidate, name: str, names: tuple[str, ...]
+                 ) -> tuple[str, ...]:
+    """Return the effects not to be tried in the place of `name`; the parent lacks it."""
+    if has_dry_friction(parent.fit.parameters.actuator):  # those of a stem that sticks take minutes
+        return (name, *(other for other in names if not shows_above_the_stem(other)))
+    return () if has_dry_friction(chosen.fit.parameters.actuator) else (name,)
+
+
+def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fewer: _Fewer
+              ) -> Candidate:
+    """Leave out every effect that the others do not need."""
+    if len(chosen.effects) < 2:
+        return chosen
+    for name in chosen.effects:
+        smaller = _without(search, chosen, name, everything, fewer)
+        fault = search.fault(chosen.problem, chosen.fit, name)
+        sticks = has_dry_friction(smaller.fit.parameters.actuator)
+        contained = any(name in within(other) for other in smaller.effects)
+        if (fault or contained) and sticks and smaller.score > STUCK * chosen.score:
+            smaller = search.without(chosen, smaller.effects)
+        everything.append(smaller)
+        if fault or not clearly_better(chosen, smaller):
+            return _backward(search, smaller, everything, fewer)
+    return chosen
+
+
+def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
+    """Leave out every effect that the last and fullest fit does not tell from none."""
+    for name in search.faults(chosen):
+        rest = tuple(e for e in chosen.effects if e != name)
+        smaller = search.on_both(search.without(chosen, rest), 1)
+        everything.append(smaller)
+        return _pruned(search, smaller, everything)
+    return chosen
