@@ -146,3 +146,29 @@ def refused_found():
 def friction_found_in_a_sweep():
     """Return a diagnosis of a record without time."""
     return diagnosis_of(swept_columns(), 'effect', STICKING, (FRICTION,))
+
+
+def without(column):
+    """Return a diagnosis of a record that lacks a column."""
+    columns = timed_columns(STICKING)
+    del columns[column]
+    return diagnosis_of(columns, 'effect', STICKING, (FRICTION,))
+
+
+def off_by(diagnosis, part, before, after, name=None):
+    """Return the diagnosis with these errors, in noises, in one or every channel of a part."""
+    errors = {channel: replace(error, before=before * error.noise, after=after * error.noise)
+              if name in (None, channel) else error
+              for channel, error in getattr(diagnosis, part).items()}
+    return replace(diagnosis, **{part: errors})
+
+
+MADE = {
+    'effect': friction_found,
+    'judged': friction_judged,
+    'none': nothing_found,
+    'unknown': unknown_found,
+    'sweep': friction_found_in_a_sweep,
+    'pressure only': lambda: without('valve_position'),
+    'position only': lambda: without('chamber_pressure'),
+}

@@ -9,6 +9,8 @@ import numpy as np
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.experiment.segments import split
 from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.searching.backward import compared
+from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
@@ -23,6 +25,11 @@ RAMPS = np.interp(
     RAMPS_TIME, np.arange(0.0, 121.0, 6.0),
     1e-4 * np.array([4.0, 4.3, 4.1, 4.5, 4.2, 4.0, 4.4, 4.3, 4.6, 4.1, 4.2, 4.5, 4.0, 4.4, 4.2, 4.5,
                      4.3, 4.1, 4.4, 4.2, 4.3]))
+STEPS = np.array([3.6, 4.0, 4.4, 4.1, 3.7, 3.5, 3.8, 4.2, 4.4, 4.2, 3.9, 3.6, 3.9, 4.3, 4.0, 3.7])
+LEAKING = P._replace(actuator=P.actuator._replace(
+    coulomb_friction=400.0, stiction=100.0, presliding_stiffness=1e7, leak_area=4e-8))
+RUBBING = {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 100.0,
+           'actuator.stribeck_velocity': P.actuator.stribeck_velocity}
 
 
 def seen(parameters, departure=None, pressure=START_PRESSURE, current=CURRENT, seed=1, time=TIME):
@@ -43,10 +50,26 @@ def steps_seen(parameters, levels, pressure, seed):
     return seen(parameters, None, pressure, current, seed, time)
 
 
+def too_quiet(experiment, share=0.6):
+    """Return the experiment with noise that is said to be less than it is."""
+    return replace(experiment, noise={
+        name: share * level for name, level in experiment.noise.items()})
+
+
+def everywhere(experiment):
+    """Return a mark on every row."""
+    return np.ones(len(experiment.time), dtype=bool)
+
+
 def searching(experiment, names):
     """Return the search for these effects."""
     return Search(experiment, split(experiment.time, experiment.current), P,
                   tuple(declared_freedom(P, experiment)), names)
+
+
+def selected(search):
+    """Return what a search chooses and has tried, compared again."""
+    return compared(search, named(search, search.refit(), lambda *_: None), lambda *_: None)
 
 
 def standing_at(search, effects, values):

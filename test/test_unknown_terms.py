@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
-from made_search import P, TIME, searching, seen
+from made_search import P, RAMPS, RAMPS_TIME, STEPS, TIME, searching, seen, steps_seen, too_quiet
 import numpy as np
 import pytest
 
@@ -15,12 +15,13 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.searching import nameless
+from booster_ros.diagnosis.searching.nameless import best_terms, compete
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught
 from booster_ros.diagnosis.searching.unknown import UNNAMED, followed, terms, with_term
 from booster_ros.model.discrepancy import (
-    BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, STEM, VARIABLES, Discrepancy,
-    covered, forgets, remembers)
+    BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME,
+    VARIABLES, Discrepancy, covered, forgets, remembers)
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PAST_UNIT
@@ -138,3 +139,22 @@ def test_what_a_table_holds_makes_no_valve_implausible():
             if free.knob.parameter == 'discrepancy.values']
     assert np.sum(np.square(held)) > 12.0
     assert taught(search, candidate) is not None
+
+
+def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():
+    search = searching(too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5)), ())
+    refit = search.refit()
+    tried = Tried(refit, refit, (refit,), {})
+    assert compete(tried)
+    assert best_terms(search, tried) == []
+
+
+def test_a_stem_that_shifts_in_the_course_of_time_lacks_something_in_the_stem():
+    """A shift of the reading explains the position as well, but not the air that the stem moves."""
+    wave = 200.0 * np.sin(np.linspace(0.0, 9.0, KNOTS))
+    plant = P._replace(discrepancy=Discrepancy(STEM, OVER_TIME, -5.0, 125.0, tuple(wave)))
+    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, RAMPS_TIME), ())
+    refit = search.refit()
+    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    assert best.effects == ('unknown: stem over time',)
+    assert best.misfit < 1.5 < 0.1 * refit.misfit

@@ -1,0 +1,40 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is left when an effect is taken from a choice again."""
+
+from made_search import LEAKING, P, RUBBING, searching, seen, standing_at
+import pytest
+
+from booster_ros.diagnosis.searching.backward import _backward
+
+
+def test_what_is_left_without_an_effect_that_was_none_begins_where_it_was_with_it():
+    """The round that had friction alone got stuck: its misfit would let any term win."""
+    search = searching(seen(LEAKING), ())
+    chosen = standing_at(search, ('ep_hysteresis', 'stem_friction', 'chamber_leak'), {
+        **RUBBING, 'actuator.leak_area': 4e-8, 'ep_converter.hysteresis': 1e-9})
+    rest = ('stem_friction', 'chamber_leak')
+    stuck = standing_at(search, rest, {
+        **RUBBING, 'actuator.coulomb_friction': 2000.0, 'actuator.leak_area': 4e-8})
+    assert search.fault(chosen.problem, chosen.fit, 'ep_hysteresis')
+    assert stuck.score > 2.0 * chosen.score
+    left = _backward(search, chosen, [chosen, stuck], {})
+    assert set(left.effects) == set(rest)
+    assert left.misfit < 1.3
+
+
+def test_a_bent_stem_is_left_alone_by_the_plain_friction_that_it_was_found_beside():
+    """Uniform friction came first, and is in the bent stem's: alone that had got stuck."""
+    search = searching(seen(P._replace(actuator=P.actuator._replace(
+        coulomb_friction=100.0, friction_gradient=600.0))), ())
+    values = {'actuator.coulomb_friction': 100.0, 'actuator.friction_gradient': 600.0,
+              'actuator.stiction': 2.0, 'actuator.presliding_stiffness': 0.0}
+    both = ('stem_friction', 'position_dependent_friction')
+    chosen = standing_at(search, both, values)
+    stuck = standing_at(search, both[1:], {**values, 'actuator.friction_gradient': 60.0})
+    assert not search.fault(chosen.problem, chosen.fit, 'stem_friction')
+    assert stuck.score > 2.0 * chosen.score
+    left = _backward(search, chosen, [chosen, stuck], {})
+    assert left.effects == both[1:]
+    assert left.misfit < 1.3
+    assert left.fit.parameters.actuator.friction_gradient == pytest.approx(600.0, rel=0.05)

@@ -1,0 +1,40 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The score of a model that was lost on the way, and how it compares with others."""
+
+from dataclasses import replace
+
+from made_search import P, searching, seen
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.searching.candidate import gain, told_apart
+
+
+def test_a_model_that_is_lost_on_the_way_is_told_from_one_that_is_not_and_not_from_another():
+    found = replace(searching(seen(P), ()).refit(), by_segment=np.full(6, 100.0), prior=0.0)
+    lost = replace(found, by_segment=np.array([100.0, 100.0, np.inf, 100.0, 100.0, 100.0]))
+    assert gain(lost, found) == (np.inf, 0.0)
+    assert gain(found, lost) == (-np.inf, 0.0)
+    assert gain(lost, lost) == (0.0, 0.0)
+    assert told_apart(lost, found)
+    assert not told_apart(found, lost)
+    assert not told_apart(lost, lost)
+
+
+@pytest.mark.parametrize('reached', [None, 0, 700])
+def test_a_model_that_cannot_run_scores_infinitely_however_far_it_came(reached):
+    search = searching(seen(P), ())
+    problem = search.problem()
+
+    class Lost(Problem):
+        def predict(self, z):
+            if reached is None:
+                return None
+            late = np.arange(len(self.experiment.time)) >= reached
+            return {name: np.where(late, np.nan, values)
+                    for name, values in super().predict(z).items()}
+
+    lost = Lost(problem.experiment, problem.rows, problem.base, problem.freedoms)
+    assert search.rate((), lost, problem.at(problem.start())).score == np.inf

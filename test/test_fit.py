@@ -1,0 +1,65 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A fit: the state in which it begins, and what it leaves of a size that no row shows."""
+
+from made_search import CURRENT, P, TIME, everywhere, searching, seen, standing_at
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.fitting.fit import START, Problem
+from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.fitting.intervals import interval_of
+from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.memory import Departure
+from booster_ros.model.simulation import simulate
+
+
+def test_a_converter_that_starts_at_the_edge_of_its_play_is_found_there():
+    width = 6e-6
+    plant = P._replace(ep_converter=P.ep_converter._replace(hysteresis=width))
+    experiment = seen(plant, Departure(ep_play=1.0))
+    free = with_effect(Problem(experiment, everywhere(experiment), P, ()),
+                       EFFECTS['ep_hysteresis'])
+    begin = free.start()
+    begin[0] = 1.0
+    fit = free.fit(begin)
+    assert fit.parameters.ep_converter.hysteresis == pytest.approx(width, rel=0.05)
+    assert fit.initial.departure.ep_play == pytest.approx(1.0, abs=0.1)
+    assert fit.cost < 1.1 * free.rows_counted()
+
+
+def test_a_start_without_play_warmth_or_past_costs_no_simulation_and_stays_free_of_data():
+    experiment = seen(P)
+    problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P, experiment)))
+    places = problem.at(problem.start()).jacobian[:, -4:]
+    assert np.count_nonzero(places) == 4
+    assert np.abs(places[-4:]) == pytest.approx(np.diag(1.0 / START[-4:]))
+
+
+def test_play_of_the_position_reading_starts_where_it_was_left():
+    plant = P._replace(sensors=P.sensors._replace(position_backlash=4e-4))
+    high, low = (simulate(plant, TIME, CURRENT, {'chamber_pressure': 2e5},
+                          departure=Departure(position_play=place)) for place in (1.0, -1.0))
+    apart = high['measured_valve_position'][0] - low['measured_valve_position'][0]
+    assert apart == pytest.approx(4e-4)
+    assert high['valve_position'][0] == low['valve_position'][0]
+
+
+@pytest.mark.parametrize(('falls_to', 'left', 'least'), [(3.4e-4, 3.5, 1.7), (4.3e-4, 1.0, 0.5)])
+def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_little(
+        falls_to, left, least):
+    """It has no slope in either record; one opens the exhaust further than the intake goes."""
+    current = np.where(TIME < 10.0, 4.8e-4, np.where(TIME < 20.0, falls_to, 4.4e-4))
+    plant = P._replace(booster=P.booster._replace(exhaust_lift_ratio=3.0))
+    search = searching(seen(plant, current=current), ())
+    one = standing_at(search, ('exhaust_asymmetry',), {'booster.exhaust_lift_ratio': 3.5})
+    fit = one.problem.at(one.fit.z)
+    lift = [free.knob.parameter for free in fit.freedoms].index('booster.exhaust_lift_ratio')
+    assert not fit.seen[lift]
+    booster = one.problem.without_unseen(fit).parameters.booster
+    assert booster.exhaust_lift_ratio == pytest.approx(left)
+    never_drawn = np.tile(fit.z, (400, 1))
+    value, low, high = interval_of(one.problem, never_drawn, fit, lift)
+    assert (value, high) == pytest.approx((3.5, 8.0))
+    assert low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened

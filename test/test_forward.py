@@ -1,0 +1,103 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Effects are added one by one: which, when, and how faint they may be."""
+
+from dataclasses import replace
+import itertools
+
+from made_search import (
+    P, RAMPS, RAMPS_TIME, STEPS, searching, seen, selected, steps_seen, too_quiet)
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.fitting.freedom import put
+from booster_ros.diagnosis.searching import forward
+from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
+from booster_ros.diagnosis.searching.forward import named
+
+
+@pytest.mark.parametrize(('restriction', 'effects'), [
+    (0.0, ('ep_hysteresis',)), (4.2e-6, ('ep_hysteresis', 'tubing_restriction'))])
+def test_a_second_effect_is_found_also_where_the_first_leaves_what_could_be_noise(
+        restriction, effects):
+    """On ramps a thin tube is nearly a slower converter: that leaves 13 % above the noise."""
+    plant = put(put(P, 'ep_converter.hysteresis', 1e-6), 'tubing.restriction_area', restriction)
+    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, RAMPS_TIME),
+                       ('ep_hysteresis', 'tubing_restriction', 'chamber_leak'))
+    tried = named(search, search.refit(), lambda *_: None)
+    assert tried.chosen.effects == effects
+    first = next(one for one in tried.all if one.effects == ('ep_hysteresis',))
+    assert first.misfit < NEAR_NOISE
+
+
+def test_where_scores_are_alike_the_plainest_effect_that_is_called_for_is_added(monkeypatch):
+    """One that is plainer and falls just short of being called for does not hide it."""
+    search = searching(too_quiet(seen(P)), ())
+    refit = search.refit()
+    missing = replace(refit, by_segment=2.0 * refit.by_segment)
+    short, enough, further = (
+        replace(missing, effects=(name,), by_segment=share * refit.by_segment)
+        for name, share in (('dead_time', 1.9), ('chamber_leak', 1.3), ('supply_droop', 1.2)))
+    rounds = itertools.chain([[short, enough, further]], itertools.repeat([]))
+    monkeypatch.setattr(forward, '_round', lambda *_, **__: next(rounds))
+    assert named(search, missing, lambda *_: None).chosen is enough
+
+
+@pytest.mark.parametrize('in_vain', [True, False])
+def test_a_third_effect_is_not_sought_where_that_is_in_vain(in_vain, monkeypatch):
+    search = searching(too_quiet(seen(P)), ())
+    refit = search.refit()
+    missing, first, second = (
+        replace(refit, effects=effects, by_segment=times * refit.by_segment)
+        for effects, times in (((), 9.0), (('dead_time',), 5.0),
+                               (('dead_time', 'chamber_leak'), 3.0)))
+    rounds = iter([[first], [second], []])
+    monkeypatch.setattr(forward, '_round', lambda *_, **__: next(rounds))
+    asked = []
+
+    def beyond(tried):
+        asked.append(tried.chosen.effects)
+        return in_vain
+
+    assert named(search, missing, lambda *_: None, beyond).chosen is second
+    assert asked == [second.effects]
+    assert len(list(rounds)) == in_vain
+
+
+def searched(plant, names):
+    """Return what a search among these effects makes of 80 s of steps."""
+    return selected(searching(steps_seen(plant, STEPS, 1.7e5, seed=5), names))
+
+
+def test_an_effect_that_noise_could_be_is_seen_through_it():
+    """Its excess over the noise is less than what the level of noise is known to."""
+    names = ('chamber_leak', 'spring_nonlinearity', 'ep_hysteresis')
+    tried = searched(put(P, 'actuator.spring_bend', 80.0), names)
+    assert 1.03 < tried.refit.misfit < NEAR_NOISE
+    assert tried.chosen.effects == ('spring_nonlinearity',)
+    assert tried.chosen.fit.parameters.actuator.spring_bend == pytest.approx(80.0, rel=0.3)
+    assert searched(P, names).chosen.effects == ()
+
+
+def test_what_thinned_rows_blur_is_seen_on_every_row_before_more_is_added():
+    """The shift of a jump between two rows eight apart looks like something still missing."""
+    time = np.arange(0.0, 80.0, 0.01)
+    current = 1e-4 * (3.95 + 1.5 * (STEPS - 3.95))[(time // 5.0).astype(int)]
+    late = seen(put(P, 'ep_converter.dead_time', 0.153), None, 1.7e5, current, 5, time)
+    tried = selected(searching(late, ('dead_time', 'position_sensor_lag', 'spring_nonlinearity')))
+    assert tried.chosen.effects == ('dead_time',)
+    assert tried.held_out.misfit < 1.1
+
+
+@pytest.mark.parametrize('time_constant', [1200.0, 6000.0])
+def test_a_drift_that_has_hardly_begun_is_one_though_its_size_may_be_any(time_constant):
+    """After 80 s of 6000 s its size is at its bound, 25 Pa/s are as sure as ever."""
+    size = 25.0 * time_constant
+    plant = put(put(P, 'ep_converter.drift', size), 'ep_converter.drift_time_constant',
+                time_constant)
+    tried = searched(plant, ('ep_drift', 'chamber_leak'))
+    assert tried.chosen.effects == ('ep_drift',)
+    assert tried.chosen.misfit < 1.1
+    found = tried.chosen.fit.parameters.ep_converter
+    slope = found.drift / found.drift_time_constant
+    assert slope == pytest.approx(25.0, rel=0.1)

@@ -1,0 +1,138 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page of a report is whole, and shows what the diagnosis says that it is made from."""
+
+from dataclasses import replace
+import re
+
+from made_diagnosis import (
+    MADE, diagnosis_of, friction_found, friction_found_in_a_sweep, friction_judged, nothing_found,
+    swept_columns, timed_columns)
+from made_report import FROM, Page
+import numpy as np
+import pytest
+
+from booster_ros.report.errors import error_scale
+from booster_ros.report.html_report import html_page
+from booster_ros.report.provenance import Provenance
+from booster_ros.report.wording import verdict_sentences, verdict_title
+
+JUDGED = Provenance('plant.csv', 'declared.yaml', 'other.csv')
+
+
+@pytest.fixture(scope='module', params=MADE)
+def made(request):
+    """Return a diagnosis and its page."""
+    diagnosis = MADE[request.param]()
+    return diagnosis, html_page(diagnosis, FROM)
+
+
+def test_a_page_is_whole_self_contained_and_light(made):
+    _, text = made
+    page = Page(text)
+    assert len(page.ids) == len(set(page.ids))
+    local = {f'#{name}' for name in page.ids}
+    for reference in page.references:
+        assert reference in local or reference.startswith('data:image/png;base64,')
+    assert not {'script', 'link', 'iframe', 'img'} & set(page.tags)
+    assert len(text.encode()) < 1.5e6
+    assert not re.search(r'\bnan\b|\binf\b|None', page.text)
+
+
+def test_a_page_begins_with_the_verdict_and_shows_every_error(made):
+    diagnosis, text = made
+    page = Page(text)
+    assert page.texts.index(verdict_title(diagnosis)) < page.texts.index(
+        'How far off, before and after')
+    for sentence in verdict_sentences(diagnosis):
+        assert sentence in page.text
+    stages = ['declared', 'before'] + ['after'] * (diagnosis.verdict != 'none')
+    for errors in (diagnosis.error, diagnosis.held_out, diagnosis.validation):
+        for error in errors.values():
+            for stage in (*stages, 'noise'):
+                assert error_scale(error).text(getattr(error, stage)) in page.texts
+
+
+def test_a_page_shows_the_other_record_where_there_is_one():
+    page = Page(html_page(friction_judged(), JUDGED))
+    assert 'plant.csv explained by declared.yaml, judged on other.csv' in page.texts
+    assert page.texts.count('validation record') == 1  # in the table
+    assert page.texts.count('validation') == 2  # in the figure, once for each channel
+    alone = Page(html_page(friction_found(), FROM))
+    assert 'judged on' not in alone.text
+    assert 'validation' not in alone.text
+
+
+def test_a_page_says_what_was_dropped_how_it_was_split_and_what_scaling_hides(made):
+    diagnosis, text = made
+    page = Page(text)
+    for note in diagnosis.notes:
+        assert note in page.text
+    for role in ('fit', 'select', 'test'):
+        rows = sum(s.last - s.first for s in diagnosis.segments if s.role == role)
+        assert f'({rows} rows)' in page.text
+    assert 'leaves every pressure and position unchanged' in page.text
+
+
+def test_the_page_shows_suspects_intervals_and_what_is_not_told_apart():
+    page = Page(html_page(friction_found(), FROM))
+    assert '41 times the squared error of the choice' in page.texts
+    assert '480 to 520 N' in page.texts
+    assert 'This record cannot tell stem friction from position backlash.' in page.texts
+    assert 'slow triangle with dither' in page.text
+
+
+@pytest.mark.parametrize(('name', 'shown'), [
+    ('effect', True), ('pressure only', False), ('position only', False)])
+def test_the_signature_is_shown_where_pressure_and_position_are_known(name, shown):
+    assert ('Valve signature' in Page(html_page(MADE[name](), FROM)).texts) == shown
+
+
+def test_a_sweep_is_not_drawn_over_a_time_that_it_does_not_have():
+    page = Page(html_page(friction_found_in_a_sweep(), FROM))
+    assert 'time, s' not in page.texts
+    assert 'chamber pressure, kPa' in page.texts
+
+
+def page_of(columns):
+    """Return the text of the page on a record of these columns."""
+    return Page(html_page(diagnosis_of(columns, 'none'), FROM)).text
+
+
+def test_a_page_says_of_a_drive_whether_it_was_measured():
+    columns = timed_columns()
+    assert 'Driven by the control current; compared' in page_of(columns)
+    supply = np.full(len(columns['time']), 400e3)
+    assert 'Driven by the control current and the measured supply pressure; compared' in page_of(
+        columns | {'supply_pressure': supply})
+    assert 'Driven by the measured chamber pressure; compared' in page_of(swept_columns())
+    isolated = replace(nothing_found().experiment, current=np.zeros(len(supply)))
+    assert 'Driven by nothing: the chamber is shut off, as declared; compared' in Page(
+        html_page(replace(nothing_found(), experiment=isolated), FROM)).text
+
+
+def test_a_page_says_where_the_noise_is_from():
+    columns = timed_columns()
+    assert 'Noise, from the record alone: ' in page_of(columns)
+    late = columns | {'time': columns['time'] + 0.01 * np.random.default_rng(4).random(
+        len(columns['time']))}
+    assert ('Noise, from the record, and from what commands late by part of a row would do to the '
+            'declared model: ') in page_of(late)
+    del columns['control_current']
+    assert ('Noise, from the record, and from what noise of the measured drives would do to the '
+            'declared model: ') in page_of(columns)
+
+
+def test_two_parallel_lines_may_be_lost_motion_as_well():
+    assert ('Two parallel lines are friction of the stem, or lost motion of the position sensor.'
+            in page_of(timed_columns()))
+
+
+def test_a_page_is_the_same_when_made_again():
+    diagnosis = friction_found()
+    assert html_page(diagnosis, FROM) == html_page(diagnosis, FROM)
+
+
+def test_a_name_of_a_file_cannot_break_the_page():
+    text = html_page(nothing_found(), Provenance('<b>&"$x.csv', 'p$.yaml'))
+    assert '<b>&"$x.csv explained by p$.yaml' in Page(text).texts

@@ -1,0 +1,51 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The report for other programs holds the numbers of the diagnosis."""
+
+from dataclasses import replace
+import json
+
+from made_diagnosis import MADE, nothing_found
+from made_report import FROM
+import pytest
+
+from booster_ros.diagnosis.result import ChannelError
+from booster_ros.report.json_report import json_text
+
+
+@pytest.fixture(scope='module', params=MADE)
+def diagnosis(request):
+    """Return a diagnosis."""
+    return MADE[request.param]()
+
+
+def test_json_holds_what_others_rely_on(diagnosis):
+    report = json.loads(json_text(diagnosis, FROM))
+    assert report['verdict'] == diagnosis.verdict
+    for part in ('error', 'held_out', 'validation'):
+        for name, error in getattr(diagnosis, part).items():
+            assert report[part][name] == {
+                'unit': error.unit, 'declared': error.declared, 'before': error.before,
+                'after': error.after, 'noise': error.noise}
+    for effect, found in zip(report['effects'], diagnosis.effects, strict=True):
+        assert effect['name'] == found.name
+        assert effect['location'] == found.location
+        assert effect['confused_with'] == list(found.confused_with)
+        expected = 'vary the valve position alone' if diagnosis.unknown else (
+            found.separating_experiment)
+        assert effect['separating_experiment'].startswith(expected)
+        for name, interval in found.parameters.items():
+            assert effect['parameters'][name] == {
+                'value': interval.value, 'low': interval.low, 'high': interval.high,
+                'unit': interval.unit}
+    for one in diagnosis.refitted:
+        assert report['declared_parameters'][one.name]['after'] == one.after
+        assert report['declared_parameters'][one.name]['at_limit'] is one.at_limit
+        assert report['declared_parameters'][one.name]['spread'] == one.spread
+
+
+def test_json_writes_null_for_what_is_no_number():
+    diagnosis = replace(nothing_found(), validation={
+        'chamber_pressure': ChannelError('Pa', 1.0, float('nan'), float('inf'), 2.0)})
+    error = json.loads(json_text(diagnosis, FROM))['validation']['chamber_pressure']
+    assert error == {'unit': 'Pa', 'declared': 1.0, 'before': None, 'after': None, 'noise': 2.0}

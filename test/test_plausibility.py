@@ -1,0 +1,210 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Values that cannot be of the declared valve are refused, and odd ones of it are not."""
+
+from made_diagnosis import DECLARED
+from made_record import BACK, CHAMBER, FLOW, RAMP, ROWS, SUPPLY, TIME, record_of, step_test
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.model.simulation import simulate
+from booster_ros.records import RecordError
+
+
+@pytest.mark.parametrize('name', ['opening_gain', 'max_area'])
+def test_a_flow_bench_is_refused_where_the_declared_booster_has_no_flow(name):
+    shut = DECLARED._replace(booster=DECLARED.booster._replace(**{name: 0.0}))
+    with pytest.raises(RecordError, match=f'booster.{name} must be above 0'):
+        prepare(record_of(**BACK, **FLOW, **CHAMBER, **SUPPLY), shut)
+
+
+def test_a_sweep_in_absolute_pressure_is_refused():
+    stem = 0.016 * np.clip((RAMP - 150e3) / 150e3, 0.0, 1.0)
+    prepare(record_of(valve_position=stem, **CHAMBER), DECLARED)
+    with pytest.raises(RecordError, match='looks like absolute pressure'):
+        prepare(record_of(valve_position=stem, chamber_pressure=RAMP + 101_325.0), DECLARED)
+
+
+@pytest.mark.parametrize(('column', 'wrong', 'says'), [
+    ('chamber_pressure', lambda p: p + 101_325.0, 'looks like absolute pressure'),
+    ('chamber_pressure', lambda p: 0.01 * p, 'from mbar'),
+    ('valve_position', lambda x: x / 0.016, 'declared travel is 0.016 m'),
+    ('valve_position', lambda x: 0.1 * x + 0.09, 'declared travel is 0.016 m'),
+    ('valve_position', lambda x: -x, 'reverse its sign'),
+    ('control_current', lambda i: 0.004 + 16.0 * i, 'the supply has 4e+05'),
+    ('time', lambda t: 1e3 * t, 'if they are 100 milliseconds apart'),
+    ('time', lambda t: t / 3600.0, 'hours apart'),
+])
+def test_values_of_another_scale_are_refused_before_they_become_an_effect(column, wrong, says):
+    columns = step_test()
+    prepare(record_of(**columns), DECLARED)
+    columns[column] = wrong(columns[column])
+    with pytest.raises(RecordError, match=rf'^plant\.csv, column {column}: ') as caught:
+        prepare(record_of(**columns), DECLARED)
+    assert says in str(caught.value)
+
+
+def stepped(plant, levels=(3.6, 4.3, 3.9, 4.5)):
+    """Return time, current (0.1 mA), pressure and position of a valve that is stepped about."""
+    time = TIME['time']
+    current = 1e-4 * np.array(levels)[(time // 5.0).astype(int) % len(levels)]
+    run = simulate(plant, time, current, {'chamber_pressure': 250e3})
+    return {'time': time, 'control_current': current,
+            **{name: run[name] for name in ('chamber_pressure', 'valve_position')}}
+
+
+def test_an_absolute_pressure_of_a_booster_with_a_dead_band_is_refused():
+    columns = stepped(DECLARED._replace(booster=DECLARED.booster._replace(
+        intake_preload=0.1, exhaust_preload=0.1)))
+    prepare(record_of(**columns), DECLARED)
+    columns['chamber_pressure'][200:220] = np.nan
+    columns['chamber_pressure'] += 101_325.0
+    with pytest.raises(RecordError, match=r'column chamber_pressure: .* looks like absolute'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_stem_that_moves_at_another_pressure_than_declared_is_of_no_absolute_one():
+    """With an atmosphere less it would move nearly as measured; but the booster is as declared."""
+    harder = DECLARED._replace(actuator=DECLARED.actuator._replace(bench_set=(230e3, 380e3)))
+    columns = stepped(harder, levels=(4.3, 4.6, 4.4, 4.7))
+    assert columns['chamber_pressure'].min() > 150e3
+    assert prepare(record_of(**columns), DECLARED).channels
+
+
+@pytest.mark.parametrize('driven', [True, False])
+def test_a_position_below_closed_is_of_this_valve_if_it_rises_as_the_valve_opens(driven):
+    columns = stepped(DECLARED)
+    if not driven:
+        del columns['control_current']
+    position = columns['valve_position']
+    columns['valve_position'] = position - 0.007
+    assert columns['valve_position'].mean() < 0.0
+    prepare(record_of(**columns), DECLARED)
+    columns['valve_position'] = -position
+    with pytest.raises(RecordError, match='falls where the declared model opens'):
+        prepare(record_of(**columns), DECLARED)
+
+
+@pytest.mark.parametrize('driven', [True, False])
+def test_a_position_that_counts_from_open_is_refused(driven):
+    columns = stepped(DECLARED)
+    if not driven:
+        del columns['control_current']
+    columns['valve_position'] = 0.016 - columns['valve_position']
+    with pytest.raises(RecordError, match='which is open for a valve that air closes'):
+        prepare(record_of(**columns), DECLARED)
+
+
+@pytest.mark.parametrize(('stuck', 'value'), [
+    ('valve_position', 0.01), ('chamber_pressure', 101_325.0)])
+def test_a_reading_that_never_changes_while_the_model_moves_is_not_compared(stuck, value):
+    columns = stepped(DECLARED)
+    columns[stuck] = np.full(ROWS, value)
+    experiment = prepare(record_of(**columns), DECLARED)
+    assert experiment.channels == tuple(
+        name for name in ('chamber_pressure', 'valve_position') if name != stuck)
+    assert any(f'{stuck} is not compared' in note for note in experiment.notes)
+
+
+def test_readings_that_all_stick_fast_are_refused():
+    columns = stepped(DECLARED)
+    columns['valve_position'] = np.full(ROWS, 0.01)
+    del columns['chamber_pressure']
+    with pytest.raises(RecordError, match='no other channel is left'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_valve_that_stays_shut_as_its_pressure_says_is_compared():
+    columns = stepped(DECLARED)
+    columns['chamber_pressure'] = columns['chamber_pressure'] * 0.3
+    columns['valve_position'] = np.zeros(ROWS)
+    assert 'valve_position' in prepare(record_of(**columns), DECLARED).channels
+
+
+def test_a_sensor_that_is_off_by_less_or_by_what_swings_is_no_absolute_pressure():
+    columns = step_test()
+    given = columns['chamber_pressure']
+    for wrong in (given + 60e3, given + 101e3 + 30e3 * np.sin(TIME['time'])):
+        columns['chamber_pressure'] = wrong
+        assert prepare(record_of(**columns), DECLARED).channels
+
+
+@pytest.mark.parametrize(('wrong', 'says'), [
+    (lambda p: p + 101_325.0, 'looks like absolute'), (lambda p: 0.01 * p, 'from mbar')])
+def test_an_absolute_pressure_and_one_in_mbar_that_drive_the_stem_are_refused(wrong, says):
+    columns = step_test()
+    del columns['control_current']
+    assert prepare(record_of(**columns), DECLARED).drives == ('chamber_pressure',)
+    columns['chamber_pressure'] = wrong(columns['chamber_pressure'])
+    with pytest.raises(RecordError, match=rf'column chamber_pressure: .*{says}'):
+        prepare(record_of(**columns), DECLARED)
+
+
+@pytest.mark.parametrize('in_mbar', [
+    ('back_pressure',), ('supply_pressure',), ('back_pressure', 'supply_pressure'),
+    ('back_pressure', 'supply_pressure', 'chamber_pressure')])
+def test_drives_in_mbar_are_refused_whatever_else_is(in_mbar):
+    columns = step_test()
+    run = simulate(DECLARED, columns['time'], columns['control_current'],
+                   {'chamber_pressure': 215e3})
+    columns |= {'back_pressure': run['back_pressure'], **SUPPLY}
+    if 'back_pressure' in in_mbar:
+        del columns['control_current']
+    prepare(record_of(**columns), DECLARED)
+    columns |= {name: 0.01 * columns[name] for name in in_mbar}
+    named = ' and '.join(name for name in in_mbar if name != 'chamber_pressure')
+    with pytest.raises(RecordError, match=rf'column {named}: .* \(from mbar: times 100\)'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_supply_far_below_the_declared_one_is_no_other_unit_where_the_model_follows_it():
+    time = 0.1 * np.arange(ROWS)
+    current = np.where(time < 10.0, 0.38e-3, 0.40e-3)
+    supply = DECLARED.supply._replace(pressure=15e3)
+    run = simulate(DECLARED._replace(supply=supply), time, current, {'chamber_pressure': 0.0})
+    assert np.ptp(run['chamber_pressure']) > 5e3
+    columns = {'time': time, 'control_current': current,
+               'chamber_pressure': run['chamber_pressure'],
+               'supply_pressure': np.full(ROWS, 15e3)}
+    assert prepare(record_of(**columns), DECLARED).drives
+
+
+def test_a_high_pressure_that_drives_the_stem_as_declared_is_no_absolute_one():
+    """The stem stays away from its seat, so the pressure is never near that of the atmosphere."""
+    columns = step_test()
+    del columns['control_current']
+    assert columns['chamber_pressure'].min() > 150e3
+    off = DECLARED._replace(actuator=DECLARED.actuator._replace(bench_set=(100e3, 280e3)))
+    assert prepare(record_of(**columns), off).channels == ('valve_position',)
+
+
+@pytest.mark.parametrize(('period', 'step'), [(10.0, 600.0), (5e-4, 0.05)])
+def test_rows_far_apart_or_close_together_are_fine_where_the_valve_moves_like_that(period, step):
+    time = period * np.arange(ROWS)
+    current = np.where(time % (2.0 * step) < step, 0.43e-3, 0.45e-3)
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 170e3})
+    noise = 150.0 * np.random.default_rng(1).standard_normal(ROWS)
+    prepare(record_of(time=time, control_current=current,
+                      chamber_pressure=run['chamber_pressure'] + noise), DECLARED)
+
+
+@pytest.mark.parametrize('apart', [2.0, 5.0])
+@pytest.mark.parametrize('reading', [0.0, 8e-3])
+def test_a_dead_sensor_says_nothing_of_the_unit_of_time(apart, reading):
+    time = apart * np.arange(300)
+    current = np.repeat(np.random.default_rng(1).choice([0.42e-3, 0.44e-3, 0.46e-3], 20), 15)
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 230e3})
+    noise = 150.0 * np.random.default_rng(2).standard_normal(300)
+    experiment = prepare(record_of(
+        time=time, control_current=current, chamber_pressure=run['chamber_pressure'] + noise,
+        valve_position=np.full(300, reading)), DECLARED)
+    assert experiment.channels == ('chamber_pressure',)
+
+
+def test_a_pressure_that_hardly_moves_for_a_leak_is_in_no_other_unit():
+    leaking = DECLARED._replace(actuator=DECLARED.actuator._replace(leak_area=2e-6))
+    columns = step_test()
+    run = simulate(leaking, columns['time'], columns['control_current'], {'chamber_pressure': 20e3})
+    columns['chamber_pressure'] = run['chamber_pressure']
+    assert prepare(record_of(**columns), DECLARED).channels

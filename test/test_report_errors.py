@@ -1,0 +1,89 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a report says of what the models miss, and of what speaks against the choice."""
+
+from dataclasses import replace
+
+from made_diagnosis import friction_found, friction_judged, off_by
+import numpy as np
+import pytest
+
+from booster_ros.report.wording import verdict_sentences
+
+
+def test_what_an_effect_leaves_above_the_noise_is_said_and_only_that():
+    diagnosis = friction_found()
+
+    def said(share):
+        errors = {name: replace(error, after=error.noise) for name, error in
+                  diagnosis.held_out.items()}
+        pressure = errors['chamber_pressure']
+        errors['chamber_pressure'] = replace(pressure, after=share * pressure.noise)
+        return [one for one in verdict_sentences(replace(diagnosis, held_out=errors))
+                if 'not explained' in one]
+
+    assert said(1.2) == []
+    assert said(4.0) == [
+        'It leaves 4.0 times the noise in chamber pressure: that is not explained.']
+
+
+@pytest.mark.parametrize('part', ['held_out', 'validation'])
+@pytest.mark.parametrize(('before', 'after', 'said'), [
+    (10.0, 12.0, 'There the error rises with it in chamber pressure and valve position: trust it '
+                 'less.'),
+    (10.0, 9.5, 'There as much is missing with it as without: that does not confirm it.'),
+    (1.0, 1.2, 'There the error rises with it in chamber pressure and valve position: trust it '
+               'less.'),
+    (10.0, 2.0, None), (1.0, 1.0, None),
+])
+def test_what_speaks_against_the_choice_is_said_under_the_headline(part, before, after, said):
+    found = verdict_sentences(off_by(friction_judged(), part, before, after))
+    assert [one for one in found if one.startswith('There')] == ([said] if said else [])
+
+
+def test_only_the_channels_that_speak_against_the_choice_are_named():
+    diagnosis = off_by(friction_found(), 'held_out', 10.0, 2.0)
+    rises = off_by(diagnosis, 'held_out', 10.0, 12.0, 'valve_position')
+    assert 'There the error rises with it in valve position: trust it less.' in verdict_sentences(
+        rises)
+    same = off_by(diagnosis, 'held_out', 10.0, 10.0, 'valve_position')
+    assert not any(one.startswith('There') for one in verdict_sentences(same))
+
+
+def test_data_that_need_nothing_added_do_not_confirm_what_was():
+    diagnosis = friction_found()
+    assert any(one.startswith('With it the error falls') for one in verdict_sentences(diagnosis))
+    text = ' '.join(verdict_sentences(off_by(diagnosis, 'held_out', 1.2, 1.0)))
+    assert 'need nothing added, and so do not confirm it: there the error goes' in text
+    assert 'With it the error' not in text
+    one_needs = off_by(off_by(diagnosis, 'held_out', 1.2, 1.0), 'held_out', 4.0, 1.0,
+                       'valve_position')
+    assert 'With it the error falls' in ' '.join(verdict_sentences(one_needs))
+
+
+def test_how_the_choice_does_on_the_other_record_is_said_under_the_headline():
+    diagnosis = friction_judged()
+
+    def said(before, after):
+        sentences = verdict_sentences(off_by(diagnosis, 'validation', before, after))
+        return [one for one in sentences if 'the other record' in one]
+
+    meets = 'With it the model meets chamber pressure and valve position of the other record'
+    assert said(10.0, 1.2) == [f'{meets}.']
+    assert said(1.2, 1.0) == [f'{meets}, which needs nothing added.']
+    assert said(20.0, 4.0) == [
+        'With it the model misses the other record by 4.0 times the noise in chamber pressure (20 '
+        'without it) and 4.0 times the noise in valve position (20 without it).']
+    assert not any('other record' in one for one in verdict_sentences(friction_found()))
+
+
+@pytest.mark.parametrize(('left', 'said'), [(3, True), (200, False)])
+def test_a_locked_part_of_few_values_is_said_to_be_that(left, said):
+    found = friction_found()
+    first = next(one.first for one in found.segments if one.role == 'test')
+    rows = np.arange(len(found.experiment.time)) < first + left
+    measured = {name: np.where(rows, values, np.nan)
+                for name, values in found.experiment.measured.items()}
+    found = replace(found, experiment=replace(found.experiment, measured=measured))
+    words = ', of which there are 3 in a channel at the most'
+    assert any(words in sentence for sentence in verdict_sentences(found)) is said

@@ -1,0 +1,37 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of a report: suspects, effects and declared parameters."""
+
+from dataclasses import replace
+
+from made_diagnosis import FRICTION, friction_found
+from made_report import FROM, Page
+
+from booster_ros.diagnosis.result import Interval, Refitted, Suspect
+from booster_ros.report.html_report import html_page
+from booster_ros.report.tables import declared_table, effect_table
+
+
+def test_what_is_reported_is_among_the_suspects_wherever_it_ranks():
+    diagnosis = friction_found()
+    better = tuple(Suspect(('stem_friction', f'other_{k}'), 1.0, 'not enough') for k in range(20))
+    page = html_page(replace(diagnosis, suspects=(*better, *diagnosis.suspects)), FROM)
+    assert 'class="chosen"' in page
+    assert 'declared model, refitted</td>' in page
+
+
+def test_declared_parameters_say_how_far_they_were_moved():
+    known = Refitted('actuator.stop_stiffness', 'N/m', 5e8, 6e8, 4.5e8, 1.5e8, 0.56, -0.37)
+    free = Refitted('booster.opening_gain', 'm^2/N', 2.75e-6, 6.2e-6, 6.2e-6, None, 0.0, 0.0)
+    text = declared_table((known, free), {'before': 'refitted', 'after': 'with the effect'})
+    assert '+0.6 σ' in text
+    assert '−0.4 σ' in text
+    assert text.count('free') == 2
+    assert text.count('σ') == 2
+
+
+def test_a_short_interval_of_a_length_is_in_one_unit():
+    backlash = replace(
+        FRICTION, parameters={'sensors.position_backlash': Interval(6e-5, 5e-5, 8e-5, 'm')})
+    page = Page(effect_table(backlash))
+    assert '50.0 to 80.0 µm' in page.texts

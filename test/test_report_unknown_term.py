@@ -1,0 +1,96 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a report says of a term without a name, and of one that did not stand."""
+
+from dataclasses import replace
+import json
+
+from made_diagnosis import BENT, refused_found, unknown_found
+from made_report import FROM, Page
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.result import UnknownTerm
+from booster_ros.model import discrepancy
+from booster_ros.report.html_report import html_page
+from booster_ros.report.json_report import json_text
+from booster_ros.report.parameter_files import write_parameter_files
+from booster_ros.report.wording import verdict_sentences, verdict_title
+
+
+def test_an_unnamed_term_is_shown_with_its_variable_place_and_range():
+    diagnosis = unknown_found()
+    page = Page(html_page(diagnosis, FROM))
+    assert 'something in the stem' in verdict_title(diagnosis)
+    # the outermost of twelve knots lie beyond what was seen
+    assert 'function of the valve position from 1.45 mm to 14.5 mm' in page.text
+    assert 'vary the valve position alone' in page.text
+
+
+def test_an_unnamed_term_over_time_is_not_to_be_varied():
+    diagnosis = unknown_found()
+    term = UnknownTerm(diagnosis.unknown.table._replace(variable=discrepancy.TIME))
+    page = Page(html_page(replace(diagnosis, unknown=term), FROM))
+    assert 'record the same currents again' in page.text
+    assert 'vary the time' not in page.text
+    elsewhere = 'and the model is the declared one, refitted'
+    assert elsewhere in page.text
+    assert elsewhere not in Page(html_page(diagnosis, FROM)).text
+
+
+def unknown_over(table):
+    """Return the unknown found with another table in the model."""
+    return replace(unknown_found(), after=BENT._replace(discrepancy=table),
+                   unknown=UnknownTerm(table))
+
+
+def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step():
+    table = BENT.discrepancy._replace(
+        variable=discrepancy.POSITION_CHANGE, low=-0.008, high=0.008, memory=12.0)
+    diagnosis = unknown_over(table)
+    page = Page(html_page(diagnosis, FROM))
+    assert 'depends on the recent change of the valve position' in page.text
+    assert 'what was is forgotten over 12.0 s' in page.text
+    assert 'make one step and let it stand ten times 12.0 s' in page.text
+    assert 'recent change of the valve position, mm' in page.texts
+    assert json.loads(json_text(diagnosis, FROM))['unknown']['memory'] == 12.0
+    assert json.loads(json_text(unknown_found(), FROM))['unknown']['memory'] is None
+
+
+def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
+    values = (0.0, *np.linspace(0.03, 0.026, 10), 0.0)
+    table = discrepancy.Discrepancy(
+        discrepancy.BOOSTER, discrepancy.FORCE_PLAY, -11.0 / 9.0, 11.0 / 9.0, values, reach=0.018)
+    diagnosis = unknown_over(table)
+    page = Page(html_page(diagnosis, FROM))
+    assert 'through a play 0.0360 N wide' in page.text
+    assert '0.0200 N of friction' in page.text
+    assert 'chamber pressure over the back pressure is a loop' in page.text
+    assert 'place of the booster force in a play' in page.texts
+    assert 'nothing is beyond' in page.text
+    assert 'Dotted' not in page.text
+    assert 'Dotted' in Page(html_page(unknown_found(), FROM)).text
+    written = json.loads(json_text(diagnosis, FROM))['unknown']
+    assert (written['reach'], written['memory']) == (0.018, None)
+    assert written['values'][1:-1] == pytest.approx(np.linspace(0.048, 0.008, 10))
+    assert json.loads(json_text(unknown_found(), FROM))['unknown']['reach'] is None
+
+
+def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):
+    diagnosis = refused_found()
+    assert verdict_title(diagnosis) == 'The model lacks something that no named effect explains'
+    said = ' '.join(verdict_sentences(diagnosis))
+    assert 'A smooth term in the stem over the valve position' in said
+    assert 'that had a say in the verdict speak against it: there the error goes with it in' in said
+    assert 'no step of this analysis had seen' not in said
+    assert 'It is not in the model' in said
+    assert '4 % of these data go beyond the range in which it was seen' in said
+    within = replace(diagnosis, refused=replace(diagnosis.refused, beyond=0.0))
+    assert 'go beyond' not in ' '.join(verdict_sentences(within))
+    assert 'with the unnamed term' not in html_page(diagnosis, FROM)
+    values = json.loads(json_text(diagnosis, FROM))
+    assert values['unknown'] is None
+    assert values['refused']['location'] == 'stem'
+    assert values['refused']['beyond'] == 0.04
+    write_parameter_files(tmp_path, diagnosis, FROM, {})
+    assert 'ADDED' not in (tmp_path / 'positioner.yaml').read_text()

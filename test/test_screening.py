@@ -1,0 +1,72 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Lines in what the model misses, and the frequency and size at which a ripple is screened."""
+
+from dataclasses import replace
+
+from made_search import P, TIME, everywhere, searching, seen
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.searching.screening import references, screen, strong_frequencies
+
+
+def test_frequencies_are_sought_in_the_fitted_rows_alone():
+    problem = searching(seen(P), ()).problem()
+    time = problem.experiment.time
+    for rows, is_there in ((problem.rows, True), (~problem.rows, False)):
+        pressure = problem.experiment.measured['chamber_pressure'].copy()
+        pressure[rows] += 3e3 * np.sin(2.0 * np.pi * 1.37 * time[rows])
+        shaken = replace(problem, experiment=replace(
+            problem.experiment, measured={**problem.experiment.measured,
+                                          'chamber_pressure': pressure}))
+        found = strong_frequencies(shaken, problem.start())
+        assert bool(np.any(np.abs(found - 1.37) < 0.1)) == is_there
+
+
+def test_the_line_of_a_rippling_supply_stands_out_of_noise():
+    plant = P._replace(supply=P.supply._replace(ripple=6e3, ripple_frequency=0.7))
+    experiment = seen(plant)
+    problem = Problem(experiment, everywhere(experiment), P, ())
+    assert np.min(np.abs(strong_frequencies(problem, problem.start()) - 0.7)) < 0.05
+
+
+@pytest.mark.parametrize('bins', [21.0, 21.4, 21.5])
+def test_a_ripple_far_below_the_typical_size_is_screened_as_what_it_is(bins):
+    """Its frequency lies where it will between those that the record's length resolves."""
+    frequency, ripple = bins / TIME[-1], 250.0
+    plant = P._replace(supply=P.supply._replace(ripple=ripple, ripple_frequency=frequency))
+    experiment = seen(plant)
+    problem = Problem(experiment, everywhere(experiment), P, ())
+    found = strong_frequencies(problem, problem.start())
+    assert np.min(np.abs(found - frequency)) < 0.2 / TIME[-1]
+    around = references(problem, problem.at(problem.start()))
+    quick = screen(problem, around, 'supply_ripple', found)
+    without = float(np.sum(problem.residuals(problem.start())**2))
+    noise = problem.rows_counted()
+    assert quick.cost - noise < 0.15 * (without - noise)
+    sizes = dict(zip((f.knob.parameter for f in quick.problem.freedoms), quick.starts[0]))
+    free = {f.knob.parameter: f for f in quick.problem.freedoms}
+    assert free['supply.ripple'].value(sizes['supply.ripple']) == pytest.approx(ripple, rel=0.1)
+
+
+def test_the_frequency_of_a_ripple_is_that_of_the_clock_where_thinned_rows_are_uneven():
+    """Steps in one half keep rows that a slow ramp in the other does not."""
+    time = np.arange(0.0, 120.0, 0.01)
+    rng = np.random.default_rng(1)
+    steps = rng.uniform(3.7e-4, 4.3e-4, 61)[time.astype(int) // 2 * 2 % 61]
+    current = np.where(time < 60.0, steps, np.interp(time, [60.0, 120.0], [3.8e-4, 4.2e-4]))
+    plant = P._replace(supply=P.supply._replace(ripple=3e3, ripple_frequency=0.613))
+    thin, kept = seen(plant, current=current, time=time).thinned(8)
+    assert np.ptp(np.diff(kept)) >= 7
+    problem = Problem(thin, everywhere(thin), P, ())
+    found = strong_frequencies(problem, problem.start())
+    assert np.min(np.abs(found - 0.613)) < 0.2 / time[-1]
+
+
+def test_a_ripple_that_stands_still_is_none():
+    """Zero is in the range of its frequency."""
+    still = P._replace(supply=P.supply._replace(ripple=2e3, ripple_frequency=0.0))
+    predicted = seen(P).predict(still)['chamber_pressure']
+    assert np.isfinite(predicted).all()
