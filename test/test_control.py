@@ -99,7 +99,7 @@ def test_a_csv_is_held_from_row_to_row_from_its_first_time(tmp_path):
     ({'loop_current_limits': [0.0]}, 'loop_current_limits must be two rising values'),
     ({'loop': True, 'lockstep': True}, 'loop does not go with lockstep'),
     ({'keep_alive': True, 'lockstep': True}, 'keep_alive does not go with lockstep'),
-    ({'profile': 'sines', 'frequencies': [0.0]}, 'frequencies'),
+    ({'profile': 'sines', 'frequencies': [0.1, 0.0]}, 'frequencies'),
 ])
 def test_bad_settings_are_refused_by_name(values, says):
     with pytest.raises(ParameterError, match=re.escape(says)):

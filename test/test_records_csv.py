@@ -118,13 +118,14 @@ def test_a_unit_behind_a_name_may_stand_there_if_it_is_ours(tmp_path):
 
 
 def test_unknown_columns_may_hold_anything_and_are_noted(tmp_path):
-    lines = [line + f',comment {row}' for row, line in enumerate(good_lines())]
-    lines[0] = HEADER + ',chamber_presure'
+    lines = [line + f',comment {row},x' for row, line in enumerate(good_lines())]
+    lines[0] = HEADER + ',chamber_presure,'
     record = read_lines(tmp_path, lines)
     assert list(record.columns) == HEADER.split(',')
-    (unknown,) = defects(record, 'unknown_column')
+    unknown, unnamed = defects(record, 'unknown_column')
     assert unknown.column == 'chamber_presure'
     assert 'is it chamber_pressure?' in unknown.treatment
+    assert unnamed.column == f'number {len(HEADER.split(",")) + 2}'
 
 
 def test_without_time_a_record_is_a_sweep_in_row_order(tmp_path):
