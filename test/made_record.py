@@ -36,16 +36,13 @@ def step_test(seed=1):
     }
 
 
-def misfits(columns):
-    """Return the mean square of what the true model misses, in squares of the noise found."""
-    experiment = prepare(record_of(**columns), DECLARED)
-    predicted = experiment.predict(DECLARED)
-    return {name: float(np.nanmean(((values - predicted[name]) / experiment.noise[name])**2))
-            for name, values in experiment.measured.items()}
-
-
 def misses(experiment):
     """Return by channel what the declared model leaves, in that of noise."""
     predicted = experiment.predict(DECLARED)
     return {name: np.sqrt(np.nanmean((values - predicted[name])**2)) / experiment.noise[name]
             for name, values in experiment.measured.items()}
+
+
+def misfits(columns):
+    """Return the mean square of what the true model misses, in squares of the noise found."""
+    return {name: miss**2 for name, miss in misses(prepare(record_of(**columns), DECLARED)).items()}
