@@ -158,6 +158,18 @@ def test_a_positioner_that_ends_ends_the_profile(tmp_path):
     assert len(read_record(csv)) > 10
 
 
+def test_of_a_positioner_that_has_gone_nobody_is_told_to_let_it_go_on():
+    mortal = ('-r', '__ns:=/mortal_lockstep')
+    with positioner_process.start(*mortal) as valve, \
+            controller(*mortal, lockstep=True, dwell=1e4) as node:
+        node.wait_for('playing')
+        time.sleep(0.5)
+        valve.interrupt()
+        assert node.wait() == 2
+    assert 'the positioner has gone' in node.output
+    assert 'stays paused' not in node.output
+
+
 def test_a_second_positioner_that_comes_later_ends_the_recording(tmp_path, ros_client):
     csv = tmp_path / 'record.csv'
     shared = ('-r', '__ns:=/shared')
@@ -292,6 +304,20 @@ def test_what_it_cannot_do_it_says_in_a_sentence(parameters, says):
     assert says in complaints[0]
 
 
+@pytest.mark.parametrize(('line', 'says'), [
+    ('profil: triangle', 'there is no parameter profil; did you mean profile?'),
+    ('rate: fast', "rate must be a number in Hz, got 'fast' (write for example 100.0)"),
+    ('mode: both', "mode must be one of current, position, got 'both'"),
+])
+def test_a_bad_parameter_in_a_file_is_said_with_its_line(tmp_path, line, says):
+    params = tmp_path / 'params.yaml'
+    params.write_text(
+        f'other:\n  ros__parameters:\n    {line}\n/**:\n  ros__parameters:\n    {line}\n')
+    with controller('--params-file', str(params)) as node:
+        assert node.wait() == 2
+    assert node.stderr[-1] == f'fake_controller: {params}, line 6: {says}'
+
+
 def test_a_file_that_is_read_is_not_recorded_to(tmp_path):
     profile, params = tmp_path / 'profile.csv', tmp_path / 'params.yaml'
     profile.write_text('time,control_current\n0,0.0004\n1,0.0004\n')
@@ -318,10 +344,45 @@ def test_nothing_is_left_of_a_recording_that_never_began(tmp_path):
     assert not list(Path(tmp_path).iterdir())
 
 
-def test_lockstep_needs_the_rate_of_the_positioner(positioner):
-    with controller(rate=50.0, lockstep=True) as node:
+def test_lockstep_needs_the_rate_of_the_positioner_and_says_so_before_it_plays(
+    tmp_path, positioner
+):
+    csv = tmp_path / 'record.csv'
+    csv.write_text('old')
+    with controller(
+        rate=50.0, lockstep=True, record_csv=csv, record_bag=tmp_path / 'record',
+    ) as node:
         assert node.wait() == 2
         assert 'publish_rate / step_ticks of positioner, 100 Hz' in node.output
+        assert 'playing' not in node.output
+        assert 'interrupted' not in node.output
+    assert csv.read_text() == 'old'
+    assert list(tmp_path.iterdir()) == [csv]
+
+
+def test_a_recording_without_a_row_replaces_nothing(tmp_path):
+    csv = tmp_path / 'record.csv'
+    csv.write_text('old')
+    here = ('-r', '__ns:=/strict_at_once')
+    with positioner_process.start(*here), controller(
+        *here, levels=[3e-3], dwell=1.0, record_csv=csv, record_bag=tmp_path / 'record',
+    ) as node:
+        assert node.wait() == 2
+    assert 'interrupted after 0.00 of 1 s; partial: nothing recorded' in node.output
+    assert csv.read_text() == 'old'
+    assert list(tmp_path.iterdir()) == [csv]
+
+
+def test_an_interrupted_recording_leaves_the_one_that_is_there(tmp_path, positioner):
+    csv, beside = tmp_path / 'record.csv', tmp_path / 'record.partial.csv'
+    csv.write_text('old')
+    with controller(levels=[0.4524e-3], dwell=100.0, record_csv=csv) as node:
+        node.wait_for('playing')
+        time.sleep(0.5)
+        assert node.interrupt() == 0, node.output
+    assert f'samples recorded to {beside}' in node.output
+    assert csv.read_text() == 'old'
+    assert 2 < len(read_record(beside)) < 1000
 
 
 @pytest.mark.parametrize('lockstep', [False, True])

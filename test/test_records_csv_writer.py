@@ -46,6 +46,22 @@ def test_an_interrupted_writer_leaves_nothing_and_keeps_the_old_file(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ['record.csv']
 
 
+def test_a_file_that_is_spared_stays_and_the_new_one_is_beside_it(tmp_path):
+    for name, beside, alone in (('record.csv', 'record.partial.csv', 'new.csv'),
+                                ('record', 'record.partial', 'new')):
+        (tmp_path / name).write_text('old')
+        (tmp_path / beside).write_text('an earlier one')
+        for path, place in ((name, beside), (alone, alone)):
+            writer = CsvWriter(tmp_path / path, ['time'])
+            writer.write_rows(np.zeros((1, 1)))
+            writer.spare()
+            writer.close()
+            assert writer.path == tmp_path / place
+            assert writer.path.read_text() == 'time\n0.000000\n'
+        assert (tmp_path / name).read_text() == 'old'
+    assert len(list(tmp_path.iterdir())) == 6
+
+
 def written(path: Path) -> str:
     with CsvWriter(path, ['time']) as writer:
         writer.write_rows(np.zeros((1, 1)))

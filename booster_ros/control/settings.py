@@ -129,7 +129,9 @@ class ControllerSettings(NamedTuple):
 
 
 def checked(name: str, value: Any) -> Any:
-    """Return one value as ROS 2 holds it; ParameterError where kind or range is wrong."""
+    """Return one value as ROS 2 holds it; ParameterError where name, kind or range is wrong."""
+    if name not in DESCRIPTIONS:
+        raise ParameterError(unknown_name(name, DESCRIPTIONS))
     description = DESCRIPTIONS[name]
     if description.choices or not isinstance(description.default, (str, tuple)):
         return checked_as(description, value)
@@ -150,12 +152,9 @@ def check(values: Mapping[str, Any]) -> ControllerSettings:
     ParameterError, one sentence naming the parameter, for an unknown name, a wrong kind or range,
     and values that contradict each other.
     """
-    for name in values:
-        if name not in DESCRIPTIONS:
-            raise ParameterError(unknown_name(name, DESCRIPTIONS))
+    defaults = {name: description.default for name, description in DESCRIPTIONS.items()}
     settings = ControllerSettings(**{
-        name: checked(name, values.get(name, description.default))
-        for name, description in DESCRIPTIONS.items()
+        name: checked(name, value) for name, value in (defaults | dict(values)).items()
     })
     _check_consistent(settings)
     return settings

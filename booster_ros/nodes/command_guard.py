@@ -134,7 +134,7 @@ class CommandGuard:
         return (
             f'control_current {current:g} A is {verdict.cause} (current_limits '
             f'{self.rules.low:g} to {self.rules.high:g} A): {done}, {self.current:g} A in force; '
-            f'{self.bad} bad commands so far')
+            f'bad commands so far: {self.bad}')
 
     def at_tick(self, simulated: int) -> float:
         """Return the current, A, for the tick that starts at this simulated time (ns)."""

@@ -183,13 +183,15 @@ def files_without_section(arguments: Sequence[str], node: str) -> list[tuple[str
     return found
 
 
-def check_files(arguments: Sequence[str], node: str) -> None:
+def check_files(
+    arguments: Sequence[str], node: str, checked: Callable[[str, Any], Any]
+) -> None:
     """
-    Check what parameter files on a command line hold for a positioner of this full name.
+    Check what parameter files on a command line hold for the node of this full name.
 
     The node is told values only; here ParameterError can say in which file and line one stands.
     """
     for path in files_on(arguments):
         for section in read_sections(path):
             if is_for(section.node, node):
-                section_values(path, section)
+                section_values(path, section, checked)

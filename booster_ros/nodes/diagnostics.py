@@ -71,9 +71,9 @@ def time_report(clock: ClockState, ticks: TickClock, late_before: int) -> Report
     elif clock.follows_clock_topic and clock.stands_still:
         message = '/clock stands still'
     elif ticks.backlog > 0:
-        level, message = WARN, f'{ticks.backlog} ticks behind'
+        level, message = WARN, f'ticks behind: {ticks.backlog}'
     elif late > 0 and not clock.follows_clock_topic:
-        level, message = WARN, f'{late} late ticks caught up'
+        level, message = WARN, f'late ticks caught up: {late}'
     return Report(level, 'time', message, {
         'clock': '/clock' if clock.follows_clock_topic else 'wall time',
         'simulated time [s]': seconds(ticks.simulated),
@@ -100,7 +100,7 @@ def command_report(guard: CommandGuard, bad_before: int) -> Report:
     level, message = OK, 'in force'
     bad = guard.bad - bad_before
     if bad > 0:
-        level, message = WARN, f'{bad} bad commands, the last one was {guard.last_cause}'
+        level, message = WARN, f'bad commands: {bad}, the last one was {guard.last_cause}'
     elif guard.stale:
         done = 'vented' if guard.rules.stale_command == VENT else 'held'
         level, message = WARN, f'stale, {done}'

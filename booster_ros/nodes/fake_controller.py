@@ -7,7 +7,7 @@ It waits for a positioner, plays, completes its recordings and ends. `docs/fake_
 describes parameters, topics and what is recorded.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 import math
 from pathlib import Path
 import sys
@@ -37,7 +37,7 @@ from ..records.record import RecordError
 from ..records.recording import Recording
 from ..records.target import check_inputs_stay
 from .current_limits import CurrentLimits
-from .declaration import declare_table, files_without_section
+from .declaration import check_files, declare_table, files_without_section
 from .feedback import Feedback
 from .lockstep import Lockstep
 from .node_time import NodeTime
@@ -71,6 +71,7 @@ class FakeController(Node):
     def __init__(self, arguments: Sequence[str]) -> None:
         """Check everything; `arguments` is the command line, for warnings only."""
         super().__init__('fake_controller', automatically_declare_parameters_from_overrides=True)
+        check_files(arguments, self.get_fully_qualified_name(), checked)
         self._settings: ControllerSettings = declare_table(
             self, DESCRIPTIONS, DESCRIPTIONS.keys(), checked, check)
         profile = select_profile(self._settings)
@@ -83,6 +84,7 @@ class FakeController(Node):
         self._last_sample = 0
         self._come: set[str] = set()
         self._complete_since: float | None = None
+        self._has_gone = False
 
         self._status = self.create_publisher(
             String, '~/status',
@@ -134,7 +136,8 @@ class FakeController(Node):
                 f'{path} holds nothing for {self.get_fully_qualified_name()} '
                 f'(its sections: {sections}); `/**:` is for any node')
         values = ', '.join(
-            f'{name} {value}' for name, value in self._settings._asdict().items())
+            f'{name} {"empty" if value == "" else value}'
+            for name, value in self._settings._asdict().items())
         self.get_logger().info(f'parameters in force: {values}')
 
     def _enter(self, phase: str) -> None:
@@ -157,7 +160,6 @@ class FakeController(Node):
                 self._look_out = self.create_timer(
                     WATCH_PERIOD, self._on_watch, clock=self._steady_clock)
                 self._silence = Silence(now)
-                self._enter(PLAYING)
                 self._pace.begin(self, self._last_sample)
             return
         self._complete_since = None
@@ -197,6 +199,7 @@ class FakeController(Node):
     def begin(self, stamp: int) -> None:
         """Take note that the profile begins at this stamp, ns."""
         self._recording.start = stamp
+        self._enter(PLAYING)
 
     def send(self, played: float, stamp: int) -> None:
         """Send the command for so many seconds after the start, at a stamp in ns."""
@@ -211,7 +214,7 @@ class FakeController(Node):
     def _check_limits(self) -> None:
         """Complain of a current that is not followed; of a record it would make a false one."""
         complaint = self._limits.complaint(self._current)
-        if complaint and self._recorded_to():
+        if complaint and self._recording.paths:
             raise ParameterError(f'{complaint}, so that it cannot be recorded')
         if complaint:
             self.get_logger().warning(complaint, once=True)
@@ -225,6 +228,7 @@ class FakeController(Node):
             return
         gone, crowded = self._feedback.missing_topics(), self._feedback.crowded_topics()
         if gone:
+            self._has_gone = True
             raise ParameterError(
                 f'nobody publishes {" and ".join(gone)} any more: the positioner has gone')
         if crowded:
@@ -257,9 +261,9 @@ class FakeController(Node):
         self._phase = DONE  # whatever comes of closing, it is not tried twice
         self.destroy_timer(self._look_out)
         silence = self._silence.lasts(self._seconds()) if self._needed() else 0.0
-        self._close_recording()
-        if self._recorded_to():
-            self.get_logger().info(self._recorded_to())
+        self._end_recording(self._recording.close)
+        if self._recording.paths:
+            self.get_logger().info(self._recorded())
         if silence:
             raise ParameterError(
                 f'nothing has come from the positioner in the last {silence:.1f} s: what was '
@@ -269,31 +273,33 @@ class FakeController(Node):
             self._status.wait_for_all_acked(DELIVERY_TIMEOUT)
             try_shutdown(context=self.context)
 
-    def _close_recording(self) -> None:
+    def _end_recording(self, end: Callable[[], None]) -> None:
         self._progress.close()
         try:
-            self._recording.close()
+            end()
         except RecordError as error:
             raise ParameterError(f'recording: {error}') from None
 
-    def _recorded_to(self) -> str:
-        paths = [path for path in (self._settings.record_csv, self._settings.record_bag) if path]
-        return f'{self._recording.rows} samples recorded to {" and ".join(paths)}' if paths else ''
+    def _recorded(self) -> str:
+        if not self._recording.rows:
+            return 'nothing recorded'
+        paths = ' and '.join(map(str, self._recording.paths))
+        return f'{self._recording.rows} samples recorded to {paths}'
 
     def destroy_node(self) -> None:
         """Complete a recording that has been interrupted, remove one that has not begun."""
+        # The node's own logger also publishes, which it no longer can.
+        logger = get_logger(f'{self.get_logger().name}.end')
         if self._phase == WAITING:
             self._recording.discard()
         elif self._phase == PLAYING:
-            self._close_recording()
-            # The node's own logger also publishes, which it no longer can.
-            logger = get_logger(f'{self.get_logger().name}.end')
-            partial = self._recorded_to() and f'; partial: {self._recorded_to()}'
+            self._end_recording(self._recording.close_early)
+            partial = f'; partial: {self._recorded()}' if self._recording.paths else ''
             logger.warning(
                 f'interrupted after {self._played:.2f} of {self.duration:g} s{partial}')
-            left_behind = self._pace.left_behind()
-            if left_behind:
-                logger.warning(left_behind)
+        left_behind = '' if self._phase == DONE or self._has_gone else self._pace.left_behind()
+        if left_behind:
+            logger.warning(left_behind)
         super().destroy_node()
 
 

@@ -18,7 +18,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import SetBool, Trigger
 
 from ..model.simulation import Plant
-from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters
+from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters, checked
 from .command_guard import CommandGuard, CommandRules
 from .declaration import (
     ParameterWatch,
@@ -58,7 +58,7 @@ class Positioner(Node):
     def __init__(self, arguments: Sequence[str]) -> None:
         """Start with the parameters given; `arguments` is the command line, for messages only."""
         super().__init__('positioner', automatically_declare_parameters_from_overrides=True)
-        check_files(arguments, self.get_fully_qualified_name())
+        check_files(arguments, self.get_fully_qualified_name(), checked)
         physical, settings = declare(self)
         self._settings = settings
         self._watch = ParameterWatch(self, self._on_parameters)

@@ -6,7 +6,7 @@ Parameter files: the standard ROS 2 format, read and written without ROS.
 The same file feeds the node (`--ros-args --params-file`), `simulate` and `close_loop`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 import os
 from pathlib import Path
 import tempfile
@@ -41,7 +41,7 @@ def read_parameter_file(path: str | Path, node: str = 'positioner') -> Parameter
     """
     values: dict[str, Any] = {}
     for section in _sections_for(path, read_sections(path), node):
-        values |= section_values(path, section)
+        values |= section_values(path, section, checked)
     try:
         check(values)
     except ParameterError as error:
@@ -52,8 +52,10 @@ def read_parameter_file(path: str | Path, node: str = 'positioner') -> Parameter
         {name: value for name, value in values.items() if name not in DESCRIPTIONS})
 
 
-def section_values(path: str | Path, section: Section) -> dict[str, Any]:
-    """Return what a section gives a positioner; ParameterError names file, line and parameter."""
+def section_values(
+    path: str | Path, section: Section, checked: Callable[[str, Any], Any]
+) -> dict[str, Any]:
+    """Return what a section gives a node; ParameterError names file, line and parameter."""
     values: dict[str, Any] = {}
     for name, value, line in section.entries:
         try:

@@ -179,18 +179,19 @@ class CsvWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
-        self._path = Path(path)
-        self._target = replaced_by(self._path)
+        self.path = Path(path)
+        """Where the file is once it is complete."""
+        self._target = replaced_by(self.path)
         decimals = [_decimals(name) for name in columns]
         self._decimals = [places for places in decimals if places is not None]
         self._row = ','.join(
             '%.9g' if places is None else f'%.{places}f' for places in decimals) + '\n'
-        self._partial = self._target.with_name(f'.{self._target.name}.{os.getpid()}.partial')
+        self._unfinished = self._target.with_name(f'.{self._target.name}.{os.getpid()}.partial')
         try:
-            self._file = self._partial.open('wb')
+            self._file = self._unfinished.open('wb')
             self._file.write((','.join(columns) + '\n').encode('ascii'))
         except OSError as error:
-            raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
+            raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
 
     def write_rows(self, values: Array) -> None:
         """Append rows x columns of values, NaN where one is missing."""
@@ -203,23 +204,30 @@ class CsvWriter:
         try:
             self._file.write(lines)
         except OSError as error:
-            raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
+            raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
+
+    def spare(self) -> None:
+        """Leave a file that has the wanted name: take NAME.partial.csv instead, for good."""
+        if self._target.exists():
+            name = f'{self._target.stem}.partial{self._target.suffix}'
+            self._target = replaced_by(self._target.with_name(name))
+            self.path = self._target
 
     def close(self) -> None:
         """Complete the file and give it its name."""
         try:
             self._file.close()
-            os.replace(self._partial, self._target)
+            os.replace(self._unfinished, self._target)
         except OSError as error:
             self.discard()
-            raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
+            raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
 
     def discard(self) -> None:
         """Remove what was written."""
         with suppress(OSError):  # a full disk takes not even the last of it
             self._file.close()
         with suppress(OSError):  # what went wrong before is worth more than that this did too
-            self._partial.unlink(missing_ok=True)
+            self._unfinished.unlink(missing_ok=True)
 
     def __enter__(self) -> 'CsvWriter':
         """Return the writer."""

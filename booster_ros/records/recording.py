@@ -4,6 +4,7 @@
 
 from collections.abc import Mapping
 from contextlib import ExitStack
+from pathlib import Path
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class Recording:
         """Rows so far."""
         self.start = 0
         """Where time is zero, ns."""
+        self._bag_path = [Path(bag_path)] if bag_path else []
         self._topics = topics
         self._builder = RowBuilder()
         self._waiting: list[Row] = []
@@ -63,6 +65,25 @@ class Recording:
                 writers.callback(self._csv.close)
                 writers.callback(self._write_rows)
             self._add(self._builder.rest())
+
+    def close_early(self) -> None:
+        """
+        Complete the files as far as they got, in the place of none that is there.
+
+        The CSV then takes the name `CsvWriter.spare` says; without any row nothing is left.
+        """
+        self._add(self._builder.rest())
+        if not self.rows:
+            self.discard()
+            return
+        if self._csv is not None:
+            self._csv.spare()
+        self.close()
+
+    @property
+    def paths(self) -> list[Path]:
+        """Where the files are once they are complete."""
+        return [*([self._csv.path] if self._csv is not None else []), *self._bag_path]
 
     def discard(self) -> None:
         """Remove what was written."""
