@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.searching.candidate import gain, told_apart
+from booster_ros.diagnosis.searching.candidate import gain, shows_faintly, told_apart
 
 
 def test_a_model_that_is_lost_on_the_way_is_told_from_one_that_is_not_and_not_from_another():
@@ -21,6 +21,23 @@ def test_a_model_that_is_lost_on_the_way_is_told_from_one_that_is_not_and_not_fr
     assert told_apart(lost, found)
     assert not told_apart(found, lost)
     assert not told_apart(lost, lost)
+
+
+@pytest.mark.parametrize(('cost', 'falls', 'shows'), [
+    (20.0, [3.0] * 6, True),
+    (15.0, [3.0] * 6, False),
+    (20.0, [1.0] * 6, False),
+    (20.0, [30.0, 0.0, 0.0, 0.0, 0.0, 0.0], False),
+    (20.0, [50.0, 0.0, 0.0, 0.0, 0.0, 0.0], True),
+    (20.0, [90.0, -60.0, 0.0, 0.0, 0.0, 0.0], False),
+    (20.0, [-50.0, 0.0, 0.0, 0.0, 0.0, 0.0], False),
+])
+def test_what_matters_little_shows_where_cost_and_score_fall_beyond_chance(cost, falls, shows):
+    """In all segments alike, or in one by so much that its standard error is no measure."""
+    found = replace(searching(seen(P), ()).refit(), by_segment=np.full(6, 100.0), prior=0.0)
+    better = replace(found, by_segment=found.by_segment - falls,
+                     fit=replace(found.fit, cost=found.fit.cost - cost))
+    assert shows_faintly(better, found) == shows
 
 
 @pytest.mark.parametrize('reached', [None, 0, 700])

@@ -14,6 +14,7 @@ from booster_ros.diagnosis.fitting.freedom import put
 from booster_ros.diagnosis.searching import forward
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
 from booster_ros.diagnosis.searching.forward import named
+from booster_ros.diagnosis.searching.search import Search
 
 
 @pytest.mark.parametrize(('restriction', 'effects'), [
@@ -28,6 +29,41 @@ def test_a_second_effect_is_found_also_where_the_first_leaves_what_could_be_nois
     assert tried.chosen.effects == effects
     first = next(one for one in tried.all if one.effects == ('ep_hysteresis',))
     assert first.misfit < NEAR_NOISE
+
+
+def short_of_its_end():
+    """Return a search on a plant as declared but for its parameters, refitted in too few steps."""
+    plant = put(put(P, 'ep_converter.offset', 4e3), 'actuator.dead_volume',
+                1.1 * P.actuator.dead_volume)
+    search = searching(seen(plant), ())
+    problem = search.problem()
+    return search, search.rate((), problem, problem.fit(evaluations=5))
+
+
+def test_a_fit_is_carried_on_to_its_end():
+    search, begun = short_of_its_end()
+    end = begun.problem.fit(evaluations=40).cost
+    assert 1.01 * end < begun.fit.cost < NEAR_NOISE * end
+    assert search.at_its_end(begun).fit.cost < 1.002 * end
+
+
+@pytest.mark.parametrize('taught', [True, False])
+@pytest.mark.parametrize('better', [True, False])
+def test_what_only_takes_the_steps_that_a_refit_lacks_is_no_effect(monkeypatch, taught, better):
+    search, begun = short_of_its_end()
+    end = search.at_its_end(begun)
+    monkeypatch.setattr(forward, 'SURE', 20.0)
+    assert end.fit.cost < begun.fit.cost - forward.SURE
+    refit = replace(begun, by_segment=1.5 * end.by_segment)
+    share, fall = (0.8, 25.0) if better else (1.0, 0.0)
+    effect = replace(end, effects=('chamber_leak',), by_segment=share * end.by_segment,
+                     fit=replace(end.fit, cost=end.fit.cost - fall))
+    monkeypatch.setattr(Search, 'at_its_end', lambda _, one: one if one.effects else end)
+    monkeypatch.setattr(forward, '_round', lambda *_, **__: [effect])
+    monkeypatch.setattr(forward, 'shown_on_every_row', lambda *_: [])
+    monkeypatch.setattr(forward, 'taught', lambda *_: end if taught else None)
+    chosen = named(search, refit, lambda *_: None).chosen
+    assert chosen.effects == (('chamber_leak',) if better else ())
 
 
 def test_where_scores_are_alike_the_plainest_effect_that_is_called_for_is_added(monkeypatch):

@@ -31,11 +31,18 @@ it matters little. In 20 clean records the best of the catalogue lowers the one 
 the other by 5.
 """
 
+FAR_BEYOND_CHANCE = 40.0
+"""A fall of the score that is no chance however few segments it is in, and so however large its
+standard error."""
+
 TOO_SIMILAR = 0.05
 """Models whose scores differ by less than this share are not told apart by a record."""
 
 UNLIKELY = 9.0
 """A model that costs so much more than another, fitted to all the same rows, is unlikely."""
+
+NOT_TOLD_APART = 'not told apart from the choice by this record'
+"""Why a model is not the choice that could as well be it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +128,7 @@ def shows_faintly(better: Candidate, worse: Candidate) -> bool:
     """
     fall, error = gain(worse, better)
     return worse.fit.cost - better.fit.cost > FAINTEST_COST and fall > max(
-        FAINTEST_SCORE, STANDARD_ERRORS * error)
+        FAINTEST_SCORE, min(STANDARD_ERRORS * error, FAR_BEYOND_CHANCE))
 
 
 def _seen_twice(better: Candidate, worse: Candidate) -> bool:
@@ -197,4 +204,4 @@ def why_dropped(candidate: Candidate, chosen: Candidate) -> str:
     if told_apart(candidate, chosen):
         ratio = candidate.score / max(chosen.score, 1e-12)
         return f'{ratio:.3g} times the squared error of the choice'
-    return 'not told apart from the choice by this record'
+    return NOT_TOLD_APART

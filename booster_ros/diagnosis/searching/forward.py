@@ -38,6 +38,9 @@ Where noise could be all, an effect must lower the cost of the fit by this as we
 catalogue lowers that of a clean record by 5 to 10.
 """
 
+MOST_ENDS = 3
+"""So many effects that show beside a refit are fitted to their end, to show beside that of it."""
+
 CLEARED = 0.3
 """Of what is left above noise, the share that an effect may leave where little was left."""
 
@@ -80,6 +83,10 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
         ranked = _round(search, parent, level, tell)
         everything += ranked
         adding = _adding(ranked, chosen, refit)
+        if adding and not chosen.effects and fitted_to_noise(chosen):
+            chosen, *ends = map(search.at_its_end, (chosen, *adding[:MOST_ENDS]))
+            adding = _adding(ends, chosen, refit)
+            everything += [chosen, *adding]
         if not adding:
             ranked = _all_taught(search, ranked, everything)
             adding = _adding(ranked, chosen, refit) or shown_on_every_row(search, chosen, ranked)
@@ -144,9 +151,11 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
     in_vain = found.effects and has_dry_friction(found.fit.parameters.actuator)
     ranked = [] if in_vain else _round(search, found, level, tell, worth=worth)
     everything += ranked
-    shown = [one for one in ranked
-             if not one.fault and clearly_better(one, found)
-             and one.fit.cost < found.fit.cost - SURE]
+    shown = _surely_better(ranked, found)
+    if shown:  # short of its end a model misses what another one only took some steps more for
+        end, *ends = map(search.at_its_end, (found, *shown[:MOST_ENDS]))
+        shown = _surely_better(ends, end)
+        everything += shown
     if not shown:
         shown = shown_on_every_row(search, found, ranked)
         everything += shown
@@ -155,6 +164,12 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
     if noise is not found:
         everything.append(noise)
     return noise
+
+
+def _surely_better(ranked: list[Candidate], found: Candidate) -> list[Candidate]:
+    """Return those that show clearly beside a model of which all that is left could be noise."""
+    return [one for one in ranked if not one.fault and clearly_better(one, found)
+            and one.fit.cost < found.fit.cost - SURE]
 
 
 def _most(chosen: Candidate) -> int:

@@ -150,6 +150,16 @@ class Search:
         return self.rate(candidate.effects, problem,
                          problem.fit(candidate.fit.z, evaluations=EVALUATIONS))
 
+    def at_its_end(self, candidate: Candidate) -> Candidate:
+        """
+        Return the model fitted on until that no longer pays.
+
+        Short of the end of a flat valley it misses what it was not fitted to, and seems to lack
+        whatever only takes some steps more.
+        """
+        return self.refitted(candidate, polished(
+            candidate.problem, candidate.fit, WORTH_A_LAST_POLISHING))
+
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""
         problem = self.on(candidate.problem, ('fit', 'select'), factor)
