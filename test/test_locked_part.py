@@ -30,7 +30,7 @@ def concluded(search, *chosen):
     """Return the diagnosis where these were chosen, a term of the spring competing with them."""
     refit = search.refit()
     tried = Tried(refit, (*chosen, refit)[0], (refit, *chosen), dict.fromkeys(
-        frozenset(one.effects) for one in (refit, *chosen)))
+        (frozenset(one.effects) for one in (refit, *chosen)), ''))
     one = Term(STEM, VALVE_POSITION, 200.0)
     rows, _ = search.rows_and_experiment(USED, search.thinning)
     joint = with_term(refit.problem, refit.fit, one, rows)
@@ -115,6 +115,24 @@ def test_a_refused_term_says_how_much_of_the_locked_part_goes_beyond_it():
     assert 0.1 < beyond < 0.9
     found = concluded(searching(experiment, ()))
     assert found.refused.beyond == pytest.approx(beyond, abs=0.1)
+
+
+@pytest.mark.parametrize('much', [True, False])
+def test_a_term_that_explains_too_little_tells_where_much_is_missing(monkeypatch, much):
+    monkeypatch.setattr(last_fit, 'explains', lambda *_: False)
+    found = concluded(searching(waving() if much else seen(
+        P, None, 1.7e5, RAMPS, 4, RAMPS_TIME), ()))
+    assert (found.added, found.decided, found.unknown) == (False, False, None)
+    assert found.after == found.before
+    fate, = (one.reason for one in found.suspects if one.effects[:1] and one.effects[0] in (
+        'unknown: stem over valve_position',))
+    assert fate == 'fitted to all but the locked part, it explains too little'
+    if not much:
+        assert (found.verdict, found.effects, found.refused) == ('none', (), None)
+        return
+    assert found.verdict == 'unknown'
+    assert [effect.location for effect in found.effects] == ['stem']
+    assert (found.refused.location, found.refused.error) == ('stem', None)
 
 
 @pytest.mark.parametrize('kept', [True, False])

@@ -5,15 +5,17 @@
 from dataclasses import replace
 import json
 
-from made_diagnosis import BENT, refused_found, unknown_found
+from made_diagnosis import BENT, DECLARED, refused_found, unknown_found
 from made_report import FROM, Page
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.result import UnknownTerm
 from booster_ros.model import discrepancy
+from booster_ros.model.simulation import simulate
 from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
+from booster_ros.report.names import positive_is
 from booster_ros.report.parameter_files import write_parameter_files
 from booster_ros.report.wording import verdict_sentences, verdict_title
 
@@ -25,6 +27,36 @@ def test_an_unnamed_term_is_shown_with_its_variable_place_and_range():
     # the outermost of twelve knots lie beyond what was seen
     assert 'function of the valve position from 1.45 mm to 14.5 mm' in page.text
     assert 'vary the valve position alone' in page.text
+
+
+@pytest.mark.parametrize('location', range(1, len(discrepancy.LOCATIONS)))
+def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
+    place = discrepancy.LOCATIONS[location]
+    variable = discrepancy.VALVE_POSITION if location == discrepancy.CHAMBER_VOLUME else (
+        discrepancy.TIME)
+    size = {'ep_converter': 1e4, 'booster': 0.1, 'supply': 1e4, 'chamber': 1e-5, 'stem': 300.0,
+            'pressure_sensor': 1e3, 'position_sensor': 1e-4, 'chamber_volume': 1e-4}[place]
+    table = discrepancy.Discrepancy(location, variable, -1.0, 40.0, (size,) * discrepancy.KNOTS)
+    time = np.arange(0.0, 30.0, 0.1)
+    current = np.where(time < 10.0, 3.8e-4, 4.4e-4)
+    without, with_it = (simulate(p, time, current) for p in (
+        DECLARED, DECLARED._replace(discrepancy=table)))
+    channel, sign = {
+        'towards more back pressure': ('back_pressure', 1.0),
+        'towards filling the chamber': ('measured_chamber_pressure', 1.0),
+        'towards more supply pressure': ('supply_pressure', 1.0),
+        'out of the chamber': ('measured_chamber_pressure', -1.0),
+        'towards open': ('measured_valve_position', 1.0),
+        'added to the reading': (f'measured_{place}'.replace('pressure_s', 'chamber_pressure_s')
+                                 .replace('position_s', 'valve_position_s')
+                                 .removesuffix('_sensor'), 1.0),
+        'more volume': ('measured_chamber_pressure', -1.0),  # later: the same air in more space
+    }[positive_is(place)]
+    rising = (time > 10.0) & (time < 14.0)
+    moved = sign * (with_it[channel] - without[channel])[rising]
+    assert moved.mean() > 0.0
+    assert f'(positive: {positive_is(place)})' in ' '.join(
+        verdict_sentences(unknown_over(table)))
 
 
 def test_an_unnamed_term_over_time_is_not_to_be_varied():
@@ -94,3 +126,15 @@ def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):
     assert values['refused']['beyond'] == 0.04
     write_parameter_files(tmp_path, diagnosis, FROM, {})
     assert 'ADDED' not in (tmp_path / 'positioner.yaml').read_text()
+
+
+def test_a_term_that_explains_too_little_is_said_to_do_so():
+    refused = replace(refused_found(), decided=False)
+    diagnosis = replace(refused, refused=replace(refused.refused, error=None))
+    said = ' '.join(verdict_sentences(diagnosis))
+    assert ('A smooth term in the stem over the valve position comes nearest, but explains too '
+            'little of what is missing: it is not in the model.') in said
+    assert 'speak against it' not in said
+    assert 'That the stem is the place is a guess.' in said
+    assert 'comes nearest, but explains too little' in html_page(diagnosis, FROM)
+    assert json.loads(json_text(diagnosis, FROM))['refused']['error'] is None

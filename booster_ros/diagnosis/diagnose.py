@@ -22,7 +22,8 @@ from booster_ros.diagnosis.result import (
     Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either, errors_of)
 from booster_ros.diagnosis.searching.backward import compared
 from booster_ros.diagnosis.searching.birthplace import where_born
-from booster_ros.diagnosis.searching.candidate import Candidate, best_of_each, gain, told_apart
+from booster_ros.diagnosis.searching.candidate import (
+    NOT_TOLD_APART, Candidate, best_of_each, gain, told_apart)
 from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.nameless import best_terms, beyond_names, compete, preferable
 from booster_ros.diagnosis.searching.search import Search
@@ -35,6 +36,9 @@ from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 
 Array = np.ndarray
+
+_BESIDE_A_TERM = {NOT_TOLD_APART: 'not told apart from the best of the named, which explain less'}
+"""Reasons in other words where a term without a name is reported, not what was chosen."""
 
 NEAR_LIMIT = 0.01
 """A declared parameter this near the end of its range, relative to its way there, is at it: a fit
@@ -131,15 +135,20 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
 
 def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
               refused: Refused | None) -> tuple[Suspect, ...]:
-    """Return what was tried, terms without a name first, each with its fate."""
+    """Return what was tried, each with its fate: what was chosen, then all by their misfit."""
     reasons = dict(tried.reasons)
-    if added is not None and tried.chosen.effects:  # what was chosen is not what is reported
-        reasons[frozenset(tried.chosen.effects)] = 'the best of the named, which explain less'
+    if added is not None:  # what was chosen of the named is not what is reported
+        reasons = {effects: _BESIDE_A_TERM.get(reason, reason)
+                   for effects, reason in reasons.items()}
+        if tried.chosen.effects:
+            reasons[frozenset(tried.chosen.effects)] = 'the best of the named, which explain less'
     fates = [_fate(unnamed[0], tried, added, refused)] if unnamed else []
     fates += ['not told apart from the one above'] * (len(unnamed) - 1)
-    return (*(Suspect(one.effects, one.misfit, fate) for one, fate in zip(unnamed, fates)),
-            *(Suspect(one.effects, one.misfit, reasons[effects])
-              for effects, one in best_of_each(tried.all).items()))
+    every = [*(Suspect(one.effects, one.misfit, fate) for one, fate in zip(unnamed, fates)),
+             *(Suspect(one.effects, one.misfit, reasons[effects])
+               for effects, one in best_of_each(tried.all).items())]
+    return tuple(sorted(
+        every, key=lambda one: (not one.reason.startswith('chosen'), one.misfit)))
 
 
 def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Refused | None
@@ -147,7 +156,7 @@ def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Ref
     """Return what became of the best term without a name."""
     if added is not None:
         return 'chosen: structure that no named effect predicts'
-    if refused is not None:
+    if refused is not None and refused.error is not None:
         return DOES_NOT_STAND
     return ('fitted to all but the locked part, it explains too little'
             if preferable(term, tried) else 'not clearly better than the named effects')

@@ -8,6 +8,9 @@ The locked part, which nothing is chosen by: it is opened once, and what does no
    friction may miss single slips by more than none.
 2. A term without a name that makes the error larger there is refused.
 3. Named effects that it had been preferred to count if they do not leave much there.
+
+Where much is left of what was fitted, something is missing, whatever stands: a term that the held
+back segments call for tells where that seems to be, though it explains too little of all.
 """
 
 from collections.abc import Mapping
@@ -78,6 +81,10 @@ def opened(search: Search, tried: Tried, unnamed: list[Candidate], refit: LastFi
     if unnamed and _explain_little(found):
         term = judged(_none_of(found.tried), unnamed)
         found = found if term.verdict == 'none' else replace(term, decided=True)
+    if found.verdict == 'none' and unnamed and _misses_much(refit):
+        little = UnknownTerm(unnamed[0].fit.parameters.discrepancy)
+        return replace(found, verdict='unknown', refused=Refused(
+            place_of(little.table.location), little.variable, None, 0.0))
     if found.verdict != 'unknown' or stands(found.errors):
         return found
     refused = _refused(experiment, found, locked)
@@ -114,6 +121,11 @@ def _explain_little(found: Opened) -> bool:
         return False
     return (found.tried.held_out.misfit > FAITHFUL and not leave_less(found.tried, FORESEEN)
             and leave_much(found.errors))
+
+
+def _misses_much(refit: LastFit) -> bool:
+    """Tell whether the declared model leaves much of what it was fitted to."""
+    return refit.fit.cost > FAITHFUL * refit.problem.rows_counted()
 
 
 def _none_of(tried: Tried) -> Tried:

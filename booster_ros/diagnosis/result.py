@@ -153,12 +153,13 @@ class Refused:
     """
     A term without a name that did not stand: place and variable, errors held out with it.
 
-    `beyond` is the share of what was held out that goes beyond what it was seen in.
+    `beyond` is the share of what was held out that goes beyond what it was seen in. `error` is None
+    where it explains too little of what it was fitted to.
     """
 
     location: str
     variable: str
-    error: dict[str, float]
+    error: dict[str, float] | None
     beyond: float
 
 

@@ -23,7 +23,8 @@ from booster_ros.report.tables import (
     declared_table, effect_table, error_table, shown_suspects, suspect_table)
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.errors import scored
-from booster_ros.report.names import capital, channel_label, effect_label, listing, place_label
+from booster_ros.report.names import (
+    capital, channel_label, effect_label, listing, place_label, positive_is)
 from booster_ros.report.unknown_term import unknown_experiment, unknown_rivals
 from booster_ros.report.wording import (
     SCALING, verdict_sentences, verdict_title, with_what_was_added)
@@ -188,7 +189,8 @@ def _unknown(view: View) -> str:
     return section(
         'The term without a name',
         paragraph(
-            f'Added in {place_label(term.location)}, in {size.unit}, as a function of the '
+            f'Added in {place_label(term.location)}, in {size.unit} (positive: '
+            f'{positive_is(term.location)}), as a function of the '
             f'{channel_label(term.variable)} from {seen}{also}. {beyond} Below it: how many rows '
             'of the record were where. Where there are few, the table says little.'),
         figure(svg(figures.unknown_term(view, term), 'unknown'), 'The table of the unnamed term'))
@@ -244,10 +246,10 @@ def _undecided(diagnosis: Diagnosis) -> str:
 def _suspects(diagnosis: Diagnosis) -> str:
     hidden = len(diagnosis.suspects) - len(shown_suspects(diagnosis))
     return section(
-        'Suspects, best first',
-        paragraph('Misfit: mean squared error, in units of the noise, on the parts held back for '
-                  'choosing; what came near the choice was fitted to them too in the end. 1 is '
-                  'as good as can be. Bars are logarithmic.', 'hint'),
+        'Suspects',
+        paragraph('The choice, then all by misfit: mean squared error, in units of the noise, '
+                  'on the parts held back for choosing; what came near the choice was fitted to '
+                  'them too in the end. 1 is as good as can be. Bars are logarithmic.', 'hint'),
         suspect_table(diagnosis),
         paragraph(f'{hidden} more {"is" if hidden == 1 else "are"} in report.json.', 'hint')
         if hidden > 0 else '')

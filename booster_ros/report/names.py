@@ -34,6 +34,22 @@ _PLACES = {
     'chamber_volume': 'the volume of the actuator chamber',
 }
 
+_POSITIVE = {
+    'ep_converter': 'towards more back pressure',
+    'booster': 'towards filling the chamber',
+    'supply': 'towards more supply pressure',
+    'chamber': 'out of the chamber',
+    'stem': 'towards open',
+    'pressure_sensor': 'added to the reading',
+    'position_sensor': 'added to the reading',
+    'chamber_volume': 'more volume',
+}
+
+
+def positive_is(location: str) -> str:
+    """Return what a positive value of a term without a name does in its place."""
+    return _POSITIVE[location]
+
 
 def channel_label(name: str) -> str:
     """Return the words for a channel or variable."""

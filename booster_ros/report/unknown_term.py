@@ -5,7 +5,8 @@
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
 from booster_ros.report.engineering import number, scale_of, side_by_side
 from booster_ros.report.errors import unseen
-from booster_ros.report.names import channel_label, effect_label, listing, place_label
+from booster_ros.report.names import (
+    channel_label, effect_label, listing, place_label, positive_is)
 
 
 def sentence_on_unknown(unknown: UnknownTerm) -> str:
@@ -25,8 +26,9 @@ def sentence_on_unknown(unknown: UnknownTerm) -> str:
     return (
         f'It depends on the {channel_label(unknown.variable)}, was seen from '
         f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
-        f'and reaches {size.text(largest)}{_memory(unknown)}. It is in the model as a table that '
-        f'fades to zero outside that range{elsewhere}.'
+        f'and reaches {size.text(largest)} (positive: {positive_is(unknown.location)})'
+        f'{_memory(unknown)}. It is in the model as a table that fades to zero outside that '
+        f'range{elsewhere}.'
     )
 
 
@@ -59,7 +61,13 @@ def unknown_experiment(unknown: UnknownTerm) -> str:
 
 
 def sentences_on_refused(refused: Refused, diagnosis: Diagnosis) -> list[str]:
-    """Return which term the locked part spoke against, and by how much."""
+    """Return which term did not stand: of what, or against what the locked part spoke."""
+    place = place_label(refused.location)
+    term = f'A smooth term in {place} over the {channel_label(refused.variable)}'
+    guess = f'That {place} is the place is a guess.'
+    if refused.error is None:
+        return [f'{term} comes nearest, but explains too little of what is missing: it is not in '
+                'the model.', guess]
     changes = []
     for name, error in refused.error.items():
         channel = diagnosis.held_out[name]
@@ -72,7 +80,5 @@ def sentences_on_refused(refused: Refused, diagnosis: Diagnosis) -> list[str]:
         f'{100.0 * refused.beyond:.0f} % of these data go beyond the range in which it was seen, '
         'where it says nothing. ')
     return [
-        f'A smooth term in {place_label(refused.location)} over the '
-        f'{channel_label(refused.variable)} explains part of what it was fitted to, but data '
-        f'{unseen(diagnosis)} speak against it: there {goes}. {beyond}It is not in the model.',
-        f'That {place_label(refused.location)} is the place is a guess.']
+        f'{term} explains part of what it was fitted to, but data {unseen(diagnosis)} speak '
+        f'against it: there {goes}. {beyond}It is not in the model.', guess]
