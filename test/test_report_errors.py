@@ -41,6 +41,19 @@ def test_what_speaks_against_the_choice_is_said_under_the_headline(part, before,
     assert [one for one in found if one.startswith('There')] == ([said] if said else [])
 
 
+@pytest.mark.parametrize(('away', 'before', 'said'), [
+    (-4.5, 1.02, True), (-4.5, 1.2, False), (2.0, 1.02, False)])
+def test_where_a_parameter_far_off_would_do_as_well_that_is_said(away, before, said):
+    diagnosis = off_by(off_by(friction_found(), 'held_out', before, 1.0), 'error', 1.0, 1.0)
+    gain, bench_set = diagnosis.refitted
+    diagnosis = replace(diagnosis, refitted=(gain, replace(
+        bench_set, before=147.3e3, away_before=away)))
+    assert [one for one in verdict_sentences(diagnosis) if 'if that can be' in one] == [
+        'The declared model alone leaves no more than noise in this record, with '
+        'actuator.bench_set[0] at 147 kPa instead of 150 kPa (4.5 times its tolerance): if that '
+        'can be, nothing is missing.'] * said
+
+
 def test_only_the_channels_that_speak_against_the_choice_are_named():
     diagnosis = off_by(friction_found(), 'held_out', 10.0, 2.0)
     rises = off_by(diagnosis, 'held_out', 10.0, 12.0, 'valve_position')

@@ -9,15 +9,19 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment.segments import rows_of
 from booster_ros.diagnosis.result import AS_GOOD_AS_MEASURED, ChannelError, Diagnosis
-from booster_ros.report.engineering import Scale, number, side_by_side
+from booster_ros.report.engineering import Scale, digits_apart, number, side_by_side
 from booster_ros.report.names import channel_label, channel_listing, listing
 
 WORSE = 1.05
-"""Error after, relative to before, from which data not fitted speak against what was added."""
+"""Error relative to another, or to the noise, from which it is larger: after, relative to before,
+from which data not fitted speak against what was added."""
 
 CONFIRMED = 0.9
 """Where something is missing, error after, relative to before, up to which what was added has a
 share in that."""
+
+FAR_OFF = 3.0
+"""Tolerances from which a declared parameter is far from what it was expected to be."""
 
 FEW = 25
 """Values of a channel in the locked part below which their number is said."""
@@ -84,6 +88,23 @@ def sentences_on_gain(diagnosis: Diagnosis) -> list[str]:
         gain = (f'Data {unseen(diagnosis)} need nothing added, and so do not confirm it: there '
                 f'the error goes in {changes}.')
     return [gain, *_doubts(errors)]
+
+
+def sentences_on_tolerances(diagnosis: Diagnosis) -> list[str]:
+    """Return what would have to be so if nothing is missing, where the record allows that."""
+    everywhere = (*judged(diagnosis).values(), *scored(diagnosis.error).values())
+    if any(error.before > WORSE * max(error.after, error.noise) for error in everywhere):
+        return []
+    off = [f'{one.name} at {scale.text(one.before, digits)} instead of '
+           f'{scale.text(one.given, digits)} ({number(abs(one.away_before), 2)} times its '
+           'tolerance)'
+           for one in diagnosis.refitted if abs(one.away_before) > FAR_OFF
+           for scale in [side_by_side(one.unit, (one.before, one.given))]
+           for digits in [digits_apart(one.before, one.given)]]
+    if not off:
+        return []
+    return [f'The declared model alone leaves no more than noise in this record, with '
+            f'{listing(off)}: if that can be, nothing is missing.']
 
 
 def sentences_on_rest(diagnosis: Diagnosis) -> list[str]:

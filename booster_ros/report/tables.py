@@ -81,7 +81,7 @@ def shown_suspects(diagnosis: Diagnosis) -> tuple[Suspect, ...]:
 
 
 def suspect_table(diagnosis: Diagnosis) -> str:
-    """Return the models that were tried, best first, with the reason each was dropped."""
+    """Return the models that were tried, with the reason each was dropped."""
     suspects = shown_suspects(diagnosis)
     largest = max((s.misfit for s in suspects if math.isfinite(s.misfit)), default=1.0)
     chosen = tuple(effect.name for effect in diagnosis.effects)

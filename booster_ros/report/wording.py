@@ -9,7 +9,7 @@ from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import digits_apart, number, side_by_side
 from booster_ros.report.errors import (
     judged, left_in, meets_all, reaches_noise, scored, sentence_on_misses, sentences_on_gain,
-    sentences_on_other_record, sentences_on_rest)
+    sentences_on_other_record, sentences_on_rest, sentences_on_tolerances)
 from booster_ros.report.names import (
     capital, channel_label, channel_listing, effect_label, listing, place_label)
 from booster_ros.report.unknown_term import (
@@ -126,7 +126,8 @@ def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
         meaning = EFFECTS[effect.name].meaning
         sentences.append(
             f'{capital(meaning)}. Its place is {place_label(effect.location)}.')
-    sentences += [*sentences_on_gain(diagnosis), *sentences_on_rest(diagnosis)]
+    sentences += [*sentences_on_gain(diagnosis), *sentences_on_tolerances(diagnosis),
+                  *sentences_on_rest(diagnosis)]
     for effect in diagnosis.effects:
         if effect.confused_with:
             rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
