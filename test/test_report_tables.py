@@ -9,7 +9,7 @@ from made_report import FROM, Page
 
 from booster_ros.diagnosis.result import Interval, Refitted, Suspect
 from booster_ros.report.html_report import html_page
-from booster_ros.report.tables import declared_table, effect_table
+from booster_ros.report.tables import declared_table, effect_table, shown_suspects
 
 
 def test_what_is_reported_is_among_the_suspects_wherever_it_ranks():
@@ -18,6 +18,17 @@ def test_what_is_reported_is_among_the_suspects_wherever_it_ranks():
     page = html_page(replace(diagnosis, suspects=(*better, *diagnosis.suspects)), FROM)
     assert 'class="chosen"' in page
     assert 'declared model, refitted</td>' in page
+
+
+def test_suspects_stand_by_their_misfit_the_choice_first():
+    """Those that were lost on the way stand last."""
+    misfits = (3.0, float('nan'), 0.98, 7.0, float('inf'), 1.5)
+    others = [Suspect((f'other_{k}',), misfit, 'not enough') for k, misfit in enumerate(misfits)]
+    chosen = Suspect(('stem_friction',), 1.02, 'chosen')
+    shown = shown_suspects(replace(friction_found(), suspects=(*others[:3], chosen, *others[3:])))
+    assert shown[0] == chosen
+    assert [one.misfit for one in shown[1:5]] == [0.98, 1.5, 3.0, 7.0]
+    assert {one.effects for one in shown[5:]} == {('other_1',), ('other_4',)}
 
 
 def test_declared_parameters_say_how_far_they_were_moved():

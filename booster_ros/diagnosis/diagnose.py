@@ -135,7 +135,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
 
 def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
               refused: Refused | None) -> tuple[Suspect, ...]:
-    """Return what was tried, each with its fate: what was chosen, then all by their misfit."""
+    """Return what was tried, terms without a name first, then by score, each with its fate."""
     reasons = dict(tried.reasons)
     if added is not None:  # what was chosen of the named is not what is reported
         reasons = {effects: _BESIDE_A_TERM.get(reason, reason)
@@ -144,11 +144,9 @@ def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
             reasons[frozenset(tried.chosen.effects)] = 'the best of the named, which explain less'
     fates = [_fate(unnamed[0], tried, added, refused)] if unnamed else []
     fates += ['not told apart from the one above'] * (len(unnamed) - 1)
-    every = [*(Suspect(one.effects, one.misfit, fate) for one, fate in zip(unnamed, fates)),
-             *(Suspect(one.effects, one.misfit, reasons[effects])
-               for effects, one in best_of_each(tried.all).items())]
-    return tuple(sorted(
-        every, key=lambda one: (not one.reason.startswith('chosen'), one.misfit)))
+    return (*(Suspect(one.effects, one.misfit, fate) for one, fate in zip(unnamed, fates)),
+            *(Suspect(one.effects, one.misfit, reasons[effects])
+              for effects, one in best_of_each(tried.all).items()))
 
 
 def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Refused | None

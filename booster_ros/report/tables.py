@@ -74,9 +74,15 @@ def _both_units(scale: Scale, value: float, unit: str, digits: int) -> str:
 
 
 def shown_suspects(diagnosis: Diagnosis) -> tuple[Suspect, ...]:
-    """Return the best of the models that were tried, and what is reported wherever it ranks."""
+    """
+    Return what is reported, then the best of the models that were tried by their misfit.
+
+    Others of those, and the declared model, wherever they rank.
+    """
     reported = {tuple(effect.name for effect in diagnosis.effects), ()}
-    return tuple(one for place, one in enumerate(diagnosis.suspects) if place < MOST_SUSPECTS
+    ranked = sorted(diagnosis.suspects, key=lambda one: (
+        not one.reason.startswith('chosen'), not one.misfit < math.inf, one.misfit))
+    return tuple(one for place, one in enumerate(ranked) if place < MOST_SUSPECTS
                  or one.effects in reported or one.reason.startswith('chosen'))
 
 
