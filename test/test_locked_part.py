@@ -124,8 +124,8 @@ def test_a_term_that_explains_too_little_tells_where_much_is_missing(monkeypatch
         P, None, 1.7e5, RAMPS, 4, RAMPS_TIME), ()))
     assert (found.added, found.decided, found.unknown) == (False, False, None)
     assert found.after == found.before
-    fate, = (one.reason for one in found.suspects if one.effects[:1] and one.effects[0] in (
-        'unknown: stem over valve_position',))
+    fate, = (one.reason for one in found.suspects
+             if one.effects == ('unknown: stem over valve_position',))
     assert fate == 'fitted to all but the locked part, it explains too little'
     if not much:
         assert (found.verdict, found.effects, found.refused) == ('none', (), None)

@@ -47,9 +47,8 @@ def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
         'towards more supply pressure': ('supply_pressure', 1.0),
         'out of the chamber': ('measured_chamber_pressure', -1.0),
         'towards open': ('measured_valve_position', 1.0),
-        'added to the reading': (f'measured_{place}'.replace('pressure_s', 'chamber_pressure_s')
-                                 .replace('position_s', 'valve_position_s')
-                                 .removesuffix('_sensor'), 1.0),
+        'added to the reading': ('measured_chamber_pressure' if place == 'pressure_sensor'
+                                 else 'measured_valve_position', 1.0),
         'more volume': ('measured_chamber_pressure', -1.0),  # later: the same air in more space
     }[positive_is(place)]
     rising = (time > 10.0) & (time < 14.0)

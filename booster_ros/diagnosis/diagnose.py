@@ -37,8 +37,8 @@ from booster_ros.records import RecordError
 
 Array = np.ndarray
 
-_BESIDE_A_TERM = {NOT_TOLD_APART: 'not told apart from the best of the named, which explain less'}
-"""Reasons in other words where a term without a name is reported, not what was chosen."""
+BEST_NAMED = 'the best of the named, which explain less'
+"""What was chosen of the named, where a term without a name is reported."""
 
 NEAR_LIMIT = 0.01
 """A declared parameter this near the end of its range, relative to its way there, is at it: a fit
@@ -137,11 +137,11 @@ def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
               refused: Refused | None) -> tuple[Suspect, ...]:
     """Return what was tried, terms without a name first, then by score, each with its fate."""
     reasons = dict(tried.reasons)
-    if added is not None:  # what was chosen of the named is not what is reported
-        reasons = {effects: _BESIDE_A_TERM.get(reason, reason)
-                   for effects, reason in reasons.items()}
+    if added is not None:
+        reasons = {effects: f'not told apart from {BEST_NAMED}' if reason == NOT_TOLD_APART
+                   else reason for effects, reason in reasons.items()}
         if tried.chosen.effects:
-            reasons[frozenset(tried.chosen.effects)] = 'the best of the named, which explain less'
+            reasons[frozenset(tried.chosen.effects)] = BEST_NAMED
     fates = [_fate(unnamed[0], tried, added, refused)] if unnamed else []
     fates += ['not told apart from the one above'] * (len(unnamed) - 1)
     return (*(Suspect(one.effects, one.misfit, fate) for one, fate in zip(unnamed, fates)),

@@ -41,21 +41,22 @@ class BagWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], topics: Sequence[str], storage: str):
-        self._path = Path(path)
-        if os.path.lexists(self._path):  # a folder cannot take the place of a link to nothing
-            raise RecordError(f'{self._path} exists already; a bag is not overwritten')
+        self.path = Path(path)
+        """Where the bag is once it is complete."""
+        if os.path.lexists(self.path):  # a folder cannot take the place of a link to nothing
+            raise RecordError(f'{self.path} exists already; a bag is not overwritten')
         if storage not in STORAGE:
             raise RecordError(f'a bag is stored as {" or ".join(STORAGE)}, not as {storage!r}')
         try:
-            temporary = tempfile.mkdtemp('.partial', f'.{self._path.name}.', self._path.parent)
+            temporary = tempfile.mkdtemp('.partial', f'.{self.path.name}.', self.path.parent)
             self._folder = Path(temporary)
             self._writer = Writer(
-                self._folder / self._path.name,
+                self._folder / self.path.name,
                 version=Writer.VERSION_LATEST, storage_plugin=STORAGE[storage],
             )
             self._writer.open()
         except (OSError, WriterError) as error:
-            raise RecordError(f'{self._path} cannot be written: {error}') from None
+            raise RecordError(f'{self.path} cannot be written: {error}') from None
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._message = self._types.types[_FLOAT64]
         self._connections = {
@@ -74,10 +75,10 @@ class BagWriter:
         """Complete the bag and give it its name."""
         try:
             self._writer.close()
-            os.rename(self._folder / self._path.name, self._path)
+            os.rename(self._folder / self.path.name, self.path)
             self._folder.rmdir()
         except OSError as error:
-            raise RecordError(f'{self._path} cannot be written: {error.strerror}') from None
+            raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
 
     def discard(self) -> None:
         """Remove what was written."""

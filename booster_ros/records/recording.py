@@ -31,7 +31,6 @@ class Recording:
         """Rows so far."""
         self.start = 0
         """Where time is zero, ns."""
-        self._bag_path = [Path(bag_path)] if bag_path else []
         self._topics = topics
         self._builder = RowBuilder()
         self._waiting: list[Row] = []
@@ -83,7 +82,7 @@ class Recording:
     @property
     def paths(self) -> list[Path]:
         """Where the files are once they are complete."""
-        return [*([self._csv.path] if self._csv is not None else []), *self._bag_path]
+        return [writer.path for writer in (self._csv, self._bag) if writer is not None]
 
     def discard(self) -> None:
         """Remove what was written."""

@@ -13,8 +13,8 @@ from booster_ros.report.engineering import Scale, digits_apart, number, side_by_
 from booster_ros.report.names import channel_label, channel_listing, listing
 
 WORSE = 1.05
-"""Error relative to another, or to the noise, from which it is larger: after, relative to before,
-from which data not fitted speak against what was added."""
+"""Ratio of two errors from which one counts as larger: from which data not fitted speak against
+what was added, say."""
 
 CONFIRMED = 0.9
 """Where something is missing, error after, relative to before, up to which what was added has a
