@@ -4,6 +4,7 @@
 
 from dataclasses import replace
 import json
+import math
 
 from made_diagnosis import MADE, nothing_found
 from made_report import FROM
@@ -26,7 +27,9 @@ def test_json_holds_what_others_rely_on(diagnosis):
         for name, error in getattr(diagnosis, part).items():
             assert report[part][name] == {
                 'unit': error.unit, 'declared': error.declared, 'before': error.before,
-                'after': error.after, 'noise': error.noise}
+                'after': error.after, 'noise': error.noise,
+                'left_open': None if math.isnan(error.left_open) else error.left_open,
+                'mostly': list(error.mostly)}
     for effect, found in zip(report['effects'], diagnosis.effects, strict=True):
         assert effect['name'] == found.name
         assert effect['location'] == found.location
@@ -42,10 +45,13 @@ def test_json_holds_what_others_rely_on(diagnosis):
         assert report['declared_parameters'][one.name]['after'] == one.after
         assert report['declared_parameters'][one.name]['at_limit'] is one.at_limit
         assert report['declared_parameters'][one.name]['spread'] == one.spread
+        assert report['declared_parameters'][one.name]['low'] is None
 
 
 def test_json_writes_null_for_what_is_no_number():
     diagnosis = replace(nothing_found(), validation={
-        'chamber_pressure': ChannelError('Pa', 1.0, float('nan'), float('inf'), 2.0)})
+        'chamber_pressure': ChannelError(
+            'Pa', 1.0, float('nan'), float('inf'), 2.0, 3.0, ('booster.max_area',))})
     error = json.loads(json_text(diagnosis, FROM))['validation']['chamber_pressure']
-    assert error == {'unit': 'Pa', 'declared': 1.0, 'before': None, 'after': None, 'noise': 2.0}
+    assert error == {'unit': 'Pa', 'declared': 1.0, 'before': None, 'after': None, 'noise': 2.0,
+                     'left_open': 3.0, 'mostly': ['booster.max_area']}

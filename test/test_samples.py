@@ -30,9 +30,10 @@ KEY = json.loads((SAMPLES / 'key.json').read_text())
 
 
 def close_loop(case: str, out: Path) -> dict:
-    """Run close_loop on the sample and return its report."""
+    """Run close_loop on the sample, judged on its other record too, and return its report."""
     status = main(['--record', str(SAMPLES / f'{case}_fit.csv'),
-                   '--params', str(SAMPLES / f'{case}.yaml'), '--out', str(out)])
+                   '--params', str(SAMPLES / f'{case}.yaml'),
+                   '--validation', str(SAMPLES / f'{case}_val.csv'), '--out', str(out)])
     assert status == 0
     return json.loads((out / 'report.json').read_text())
 
@@ -43,11 +44,19 @@ def held_out_is_near_noise(report: dict) -> None:
         assert channel['after'] <= 1.3 * channel['noise']
 
 
+def misses_no_more_than_is_left_open(report: dict) -> None:
+    """Assert that more than noise is left only where the record leaves as much open."""
+    for part in ('held_out', 'validation'):
+        for channel in report[part].values():
+            assert channel['after'] <= np.hypot(1.3 * channel['noise'], 2.0 * channel['left_open'])
+
+
 def test_nothing_is_added_to_a_clean_record(tmp_path):
     report = close_loop('sample_none', tmp_path / 'out')
     assert report['verdict'] == 'none'
     assert report['effects'] == []
     held_out_is_near_noise(report)
+    misses_no_more_than_is_left_open(report)
 
 
 def test_stem_friction_is_named_and_explains_nearly_all(tmp_path):
@@ -64,6 +73,8 @@ def test_stem_friction_is_named_and_explains_nearly_all(tmp_path):
         # when each slip comes is partly chance: this comes near the noise, not down to it
         assert channel['after'] <= 2.0 * channel['noise']
         assert channel['before'] > 15.0 * channel['after']
+        assert 0.5 * channel['noise'] < channel['left_open'] < 2.5 * channel['noise']
+    misses_no_more_than_is_left_open(report)
     # viscous friction had imitated the other kind, to five standard deviations, before that was in,
     # and the damping of the packing while that was taken for critical
     fitted = read_parameter_file(tmp_path / 'out' / 'positioner.yaml').physical
@@ -157,7 +168,12 @@ def test_the_hidden_effect_is_named_where_it_is_born(case, tmp_path):
     assert effect['name'] in KEY[case]['names']
     assert effect['location'] == KEY[case]['location']
     held_out_is_near_noise(report)
+    misses_no_more_than_is_left_open(report)
     for channel in report['held_out'].values():
         assert channel['before'] > 2.0 * channel['after']
+        assert channel['left_open'] < 0.3 * channel['noise']
+    by_area = [channel['mostly'] == ['booster.max_area']
+               for channel in report['validation'].values()]
+    assert all(by_area) if case == 'sample_chamber_leak' else not any(by_area)
     for parameter in effect['parameters'].values():
         assert parameter['low'] <= parameter['value'] <= parameter['high']

@@ -7,6 +7,8 @@ The named effects are selected (selection), terms without a name compete with th
 locked test part is opened once, and everything is put into words and numbers.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment
@@ -15,7 +17,8 @@ from booster_ros.diagnosis.fitting.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.fitting.fit import Fit
 from booster_ros.diagnosis.fitting.freedom import Free, get, label
 from booster_ros.diagnosis.fitting.intervals import interval_of, shapes_of, traded
-from booster_ros.diagnosis.last_fit import LastFit, last_fit
+from booster_ros.diagnosis.last_fit import LastFit, draws_of, last_fit
+from booster_ros.diagnosis.left_open import alike, with_left_open
 from booster_ros.diagnosis.locked_part import DOES_NOT_STAND, less_the_locked_part, opened
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
@@ -120,17 +123,21 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         effects = (_nameless(found.refused.location, unnamed[:1]),)
     elif found.verdict == 'unknown':
         effects, table = _found_unknown(unnamed, after)
-    refitted = _refitted(before, after, search)
+    draws = last.draws if len(last.draws) else draws_of(search, last)
+    refitted = _refitted(before, replace(last, draws=draws), search)
+    models = alike(last, draws)
+    locked = rows_of(search.segments, ('test',), len(experiment.time))
     return Diagnosis(
         found.verdict, effects, table, errors_of(experiment, found.runs, rows),
-        found.errors, _suspects(tried, unnamed, table, found.refused),
+        with_left_open(found.errors, experiment, found.runs['after'], models, locked),
+        _suspects(tried, unnamed, table, found.refused),
         refitted, search.declared, before.parameters, after.parameters,
         experiment, tuple(search.segments), found.runs,
         (*notes, *_cornered(refitted), *known_together(effects, last),
          *filter(None, map(either, effects)),
          *_replaced(search.declared, after.parameters),
          *chance(experiment, after.parameters, after.initial, 'this record')),
-        refused=found.refused, start=after.initial, decided=found.decided)
+        refused=found.refused, start=after.initial, decided=found.decided, alike=models)
 
 
 def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
@@ -251,17 +258,22 @@ def _at_limit(free: Free, z: float) -> bool:
     return any(abs(z - end) < NEAR_LIMIT * abs(end) for end in (free.low, free.high))
 
 
-def _refitted(before: Fit, after: Fit, search: Search) -> tuple[Refitted, ...]:
+def _refitted(before: Fit, last: LastFit, search: Search) -> tuple[Refitted, ...]:
+    after = last.fit
     rows = []
-    last = {(free.knob.parameter, free.element): free for free in after.freedoms}
+    places = {(free.knob.parameter, free.element): j for j, free in enumerate(after.freedoms)}
     for free in search.freedoms:
         name, element = free.knob.parameter, free.element
-        looser = last.get((name, element), free)  # beside an effect that loosens it
+        j = places.get((name, element))
+        # beside an effect it may be looser; a term over time is fitted alone
+        looser = free if j is None else after.freedoms[j]
+        ends = (np.nan, np.nan) if j is None else interval_of(
+            last.problem, last.draws, after, j)[1:]
         z = looser.variable(get(after.parameters, name, element))
         rows.append(Refitted(
             label(free), DESCRIPTIONS[name].unit,
             get(search.declared, name, element), get(before.parameters, name, element),
             get(after.parameters, name, element), looser.spread,
             free.away(free.variable(get(before.parameters, name, element))), looser.away(z),
-            _at_limit(looser, z)))
+            _at_limit(looser, z), *ends))
     return tuple(rows)

@@ -62,17 +62,21 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
     if not tried.chosen.effects:
         return 'none', tried, before
     last = last_fit(search, tried.chosen)
-    bootstrap = block_bootstrap_of_means if has_dry_friction(
-        last.fit.parameters.actuator) else block_bootstrap
-    draws = bootstrap(
-        last.problem, last.fit, segment_of_row(search.segments, len(search.experiment.time)))
-    if last.trials is not None:
-        draws = last.trials.instead_of(draws)
+    draws = draws_of(search, last)
     for name in tried.chosen.effects:
         fault = undetermined(last.problem, draws, last.fit, name)
         if fault:
             return verdict_of(search, _without(tried, name, fault), unnamed, before)
     return 'effect', tried, replace(last, draws=draws)
+
+
+def draws_of(search: Search, last: LastFit) -> Array:
+    """Return draws of z, shape (draws, variables), as the record leaves it open."""
+    bootstrap = block_bootstrap_of_means if has_dry_friction(
+        last.fit.parameters.actuator) else block_bootstrap
+    draws = bootstrap(
+        last.problem, last.fit, segment_of_row(search.segments, len(search.experiment.time)))
+    return last.trials.instead_of(draws) if last.trials else draws
 
 
 def last_fit(search: Search, candidate: Candidate) -> LastFit:

@@ -122,18 +122,44 @@ WORTH_SAYING = 0.01
 
 @dataclass(frozen=True)
 class ChannelError:
-    """Root mean square errors of one channel: parameters as given, refitted, with the effect."""
+    """
+    Root mean square errors of one channel: parameters as given, refitted, with the effect.
+
+    `left_open` is the standard uncertainty of what the last model predicts, for parameters that the
+    record leaves open, and `mostly` those of which a single one makes most of that.
+    """
 
     unit: str
     declared: float
     before: float
     after: float
     noise: float
+    left_open: float = float('nan')
+    mostly: tuple[str, ...] = ()
 
     @property
     def met(self) -> bool:
         """Whether the last model leaves no more than noise."""
         return self.after <= AS_GOOD_AS_MEASURED * self.noise
+
+    @property
+    def foreseen(self) -> bool:
+        """Whether it leaves no more than noise and twice what was left open."""
+        return self.met or self.after <= np.hypot(
+            AS_GOOD_AS_MEASURED * self.noise, 2.0 * self.left_open)
+
+
+@dataclass(frozen=True)
+class Alike:
+    """
+    Models, with where they begin, that suit a record as well as the one that was found.
+
+    `one_off` are, by the name of a parameter, that one with it off to either side, all others as
+    they are.
+    """
+
+    models: tuple[tuple[PositionerParameters, Initial], ...]
+    one_off: Mapping[str, tuple[tuple[PositionerParameters, Initial], ...]]
 
 
 def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
@@ -207,6 +233,10 @@ class Suspect:
     reason: str
 
 
+SHOWN = 0.8
+"""Width of an interval, relative to that of the tolerance, from which a record shows nothing."""
+
+
 @dataclass(frozen=True)
 class Refitted:
     """
@@ -215,7 +245,7 @@ class Refitted:
     `spread` is the tolerance within which it was expected, None where nothing was known;
     `away_before` and `away_after` say by how many of them the refits moved it (of a stop, by how
     many in what it yields). `at_limit` says that the last one ended at the end of what a refit
-    allows.
+    allows; `low` and `high` are the 95 % interval of `after`, NaN where it was not fitted again.
     """
 
     name: str
@@ -227,6 +257,13 @@ class Refitted:
     away_before: float
     away_after: float
     at_limit: bool = False
+    low: float = float('nan')
+    high: float = float('nan')
+
+    @property
+    def shown(self) -> bool:
+        """Whether the record tells it closer than it was expected before."""
+        return self.spread is None or not self.high - self.low > SHOWN * 2.0 * 1.96 * self.spread
 
 
 @dataclass(frozen=True)
@@ -257,7 +294,8 @@ class Diagnosis:
 
     `refused` is a term without a name that did not stand, and is not in the model; `start` the
     state that `after` begins in, None for that of the experiment. The locked part has `decided`
-    where the verdict would be another one without it.
+    where the verdict would be another one without it. `alike` are models that suit the record as
+    well as `after`, None where nobody asked.
     """
 
     verdict: str
@@ -280,6 +318,7 @@ class Diagnosis:
     start: Initial | None = None
     decided: bool = False
     change: Change | None = None
+    alike: Alike | None = field(default=None, repr=False)
 
     @property
     def added(self) -> bool:

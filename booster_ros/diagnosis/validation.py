@@ -8,6 +8,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.left_open import with_left_open
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, errors_of
 from booster_ros.diagnosis.searching.unknown import beyond
@@ -31,7 +32,9 @@ def validated(
     starts = [_start(experiment, parameters) for parameters in stages]
     runs = {stage: experiment.predict(*one) for stage, one in zip(
         ('declared', 'before', 'after'), zip(stages, starts))}
-    errors = errors_of(experiment, runs, np.ones(len(experiment.time), dtype=bool))
+    rows = np.ones(len(experiment.time), dtype=bool)
+    errors = with_left_open(errors_of(experiment, runs, rows), experiment, runs['after'],
+                            diagnosis.alike, rows, starts[-1])
     return replace(diagnosis, validation=errors, notes=(
         *diagnosis.notes, *(f'the other record: {note}' for note in notes),
         *_of_other_channels(diagnosis.experiment, experiment),

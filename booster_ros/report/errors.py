@@ -47,9 +47,14 @@ def reaches_noise(errors: Mapping[str, ChannelError]) -> bool:
     return all(error.met for error in errors.values())
 
 
+def nothing_unforeseen(errors: Mapping[str, ChannelError]) -> bool:
+    """Tell whether the last model leaves no more than noise and what the record leaves open."""
+    return all(error.foreseen for error in errors.values())
+
+
 def meets_all(diagnosis: Diagnosis) -> bool:
-    """Tell whether the last model leaves no more than noise, held out or fitted."""
-    return reaches_noise(judged(diagnosis)) and reaches_noise(scored(diagnosis.error))
+    """Tell whether the last model meets what was fitted, and what was held out as far as known."""
+    return nothing_unforeseen(judged(diagnosis)) and reaches_noise(scored(diagnosis.error))
 
 
 def unseen(diagnosis: Diagnosis) -> str:
@@ -108,9 +113,28 @@ def sentences_on_tolerances(diagnosis: Diagnosis) -> list[str]:
 
 
 def sentences_on_rest(diagnosis: Diagnosis) -> list[str]:
-    """Return a sentence on the channels in which more than noise is left, if there are any."""
-    left = left_in(judged(diagnosis))
-    return [f'It leaves {listing(left)}: that is not explained.'] if left else []
+    """Return what is left beyond noise: what is not explained, and what the record leaves open."""
+    errors = judged(diagnosis)
+    left = left_in({name: error for name, error in errors.items() if not error.foreseen})
+    return [*([f'It leaves {listing(left)}: that is not explained.'] if left else ()),
+            *sentences_on_left_open(errors, 'this record')]
+
+
+def sentences_on_left_open(errors: Mapping[str, ChannelError], record: str) -> list[str]:
+    """Return a sentence where more than noise is left, and a record leaves as much of it open."""
+    open_in = {name: error for name, error in errors.items()
+               if not error.met and (error.foreseen or error.left_open > error.noise)}
+    if not open_in:
+        return []
+    is_no = 'is no' if nothing_unforeseen(open_in) else 'may in part be no'
+    apart = listing([f'{number(e.left_open / e.noise, 2)} times the noise in {channel_label(name)}'
+                     for name, e in open_in.items()])
+    by_one = list(dict.fromkeys(one for e in open_in.values() for one in e.mostly))
+    most = f', most of that by {listing(by_one)}' if by_one else ''
+    others = any(not error.met for name, error in errors.items() if name not in open_in)
+    left = f'What is left in {channel_listing(open_in)}' if others else 'That'
+    return [f'{left} {is_no} sign of anything missing: models that suit {record} as well differ '
+            f'from this one there by {apart}{most}.']
 
 
 def sentences_on_other_record(diagnosis: Diagnosis) -> list[str]:
@@ -122,13 +146,14 @@ def sentences_on_other_record(diagnosis: Diagnosis) -> list[str]:
     model = 'With it the model' if added else 'The refitted model'
     left = listing(left_in(errors, compared=added))
     if left:
-        hidden = not added and meets_all(diagnosis)
+        hidden = not (added or nothing_unforeseen(errors)) and meets_all(diagnosis)
         what = ': something is missing there that this record does not show' if hidden else ''
         said = f'{model} misses the other record by {left}{what}.'
     else:
         needless = ', which needs nothing added' if added and not _missing(errors) else ''
         said = f'{model} meets {channel_listing(errors)} of the other record{needless}.'
-    return [said, *(_doubts(errors) if added else ())]
+    return [said, *sentences_on_left_open(errors, 'the first record'),
+            *(_doubts(errors) if added else ())]
 
 
 def _doubts(errors: Mapping[str, ChannelError]) -> list[str]:

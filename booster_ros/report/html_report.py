@@ -262,7 +262,8 @@ def _declared(view: View) -> str:
         'The declared parameters',
         paragraph('A parameter that is a little off is not a missing effect, so all were refitted '
                   'first. σ is the tolerance within which each was expected, and no refit goes '
-                  'farther than five of them.', 'hint'),
+                  'farther than five of them. The interval is of the last value, as far as the '
+                  'record tells it.', 'hint'),
         declared_table(diagnosis.refitted, stages), paragraph(SCALING, 'hint'))
 
 

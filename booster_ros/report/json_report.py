@@ -40,7 +40,8 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
             for s in diagnosis.suspects],
         'declared_parameters': {
             r.name: {'given': r.given, 'before': r.before, 'after': r.after, 'spread': r.spread,
-                     'unit': r.unit, 'at_limit': r.at_limit} for r in diagnosis.refitted},
+                     'low': r.low, 'high': r.high, 'unit': r.unit, 'at_limit': r.at_limit}
+            for r in diagnosis.refitted},
         'identifiability': SCALING,
         'record': _record(diagnosis.experiment, provenance),
         'segments': [
@@ -79,7 +80,8 @@ def _unknown(term: UnknownTerm | None) -> dict[str, Any] | None:
 def _errors(errors: Mapping[str, ChannelError]) -> dict[str, Any]:
     return {
         name: {'unit': e.unit, 'declared': e.declared, 'before': e.before, 'after': e.after,
-               'noise': e.noise} for name, e in errors.items()}
+               'noise': e.noise, 'left_open': e.left_open, 'mostly': list(e.mostly)}
+        for name, e in errors.items()}
 
 
 def _false_add(found: FalseAdd | None) -> dict[str, Any] | None:

@@ -124,5 +124,15 @@ def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) ->
             away = round(getattr(one, f'away_{stage}'), 1) + 0.0  # no minus zero
             small = 'free' if one.spread is None else f'{away:+.1f} σ'.replace('-', '−')
             cells.append(number_cell(scale.text(getattr(one, stage), 4), small))
-        rows.append(row(cells))
-    return table(['declared parameter', 'as given', *stages.values()], rows)
+        rows.append(row([*cells, _left_open(one, scale)]))
+    return table(['declared parameter', 'as given', *stages.values(), '95 % interval'], rows)
+
+
+def _left_open(one: Refitted, scale: Scale) -> str:
+    """Return the interval of a declared parameter, and whether the record tells it at all."""
+    if not math.isfinite(one.high - one.low):
+        return number_cell('–')
+    digits = max(4, digits_apart(one.low, one.high))
+    return number_cell(
+        f'{number(one.low * scale.factor, digits)} to {scale.text(one.high, digits)}',
+        '' if one.shown else 'not told by this record')

@@ -8,8 +8,9 @@ from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import digits_apart, number, side_by_side
 from booster_ros.report.errors import (
-    judged, left_in, meets_all, reaches_noise, scored, sentence_on_misses, sentences_on_gain,
-    sentences_on_other_record, sentences_on_rest, sentences_on_tolerances)
+    judged, left_in, meets_all, nothing_unforeseen, reaches_noise, scored, sentence_on_misses,
+    sentences_on_gain, sentences_on_left_open, sentences_on_other_record, sentences_on_rest,
+    sentences_on_tolerances)
 from booster_ros.report.names import (
     capital, channel_label, channel_listing, effect_label, listing, place_label)
 from booster_ros.report.unknown_term import (
@@ -45,7 +46,7 @@ def verdict_title(diagnosis: Diagnosis) -> str:
     if change is not None and diagnosis.verdict == 'none':
         return f'Something changed at {_when(change)}'
     if diagnosis.verdict == 'none':
-        if meets_all(diagnosis) and reaches_noise(scored(diagnosis.validation)):
+        if meets_all(diagnosis) and nothing_unforeseen(scored(diagnosis.validation)):
             return 'The declared model, refitted, is enough for this record'
         return 'Nothing to add'
     if change is not None and change.moved:
@@ -140,6 +141,7 @@ def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
     first = sentence_on_misses(diagnosis)
     if meets_all(diagnosis):
         return [first, 'No effect of the catalogue improves on that beyond chance.',
+                *sentences_on_left_open(judged(diagnosis), 'this record'),
                 *_hidden_in_noise(diagnosis)]
     if reaches_noise(judged(diagnosis)):
         left = listing(left_in(scored(diagnosis.error)))
@@ -150,11 +152,12 @@ def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
         return [
             first, 'That is more than noise, but the data that were fitted are met to the noise: '
             'what is missing shows in the unseen ones alone, which nothing may be fitted to. '
-            'Something changed on the way, or they go where the others did not.']
+            'Something changed on the way, or they go where the others did not.',
+            *sentences_on_left_open(judged(diagnosis), 'this record')]
     return [
         first, 'That is more than noise, but no effect of the catalogue, and no smooth term, '
         'improves on the data it was fitted to beyond chance: a record with more movement may '
-        'show what is missing.']
+        'show what is missing.', *sentences_on_left_open(judged(diagnosis), 'this record')]
 
 
 def _hidden_in_noise(diagnosis: Diagnosis) -> list[str]:

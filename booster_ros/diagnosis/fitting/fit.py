@@ -143,6 +143,10 @@ class Problem:
         strengths = [slips.strengths(each) for slips, each in zip(self.slips, scaled)]
         return self._with_priors(z, [*means, *strengths])
 
+    def cost(self, z: Array) -> float:
+        """Return the sum of squares of `residuals`."""
+        return float(np.sum(self.residuals(z)**2))
+
     def cost_of_means(self, z: Array) -> float:
         """Return the sum of squares of `means`."""
         return float(np.sum(self.means(z)**2))
@@ -265,14 +269,13 @@ class Problem:
         """
         seen = fit.seen
         z = fit.z
-        cost = float(np.sum(self.residuals(z)**2))
+        cost = self.cost(z)
         for j, free in enumerate(self.freedoms):
             size = not np.isfinite(free.sigma) and not free.knob.shape
             if size and z[j] != 0.0 and not seen[j] and free.knob.parameter not in BENCH:
                 without = z.copy()
                 without[j] = 0.0
-                left = float(np.sum(self.residuals(without)**2))
-                if left < cost + UNSEEN:
+                if self.cost(without) < cost + UNSEEN:
                     z = without
         shapes = [j for j, free in enumerate(self.freedoms)
                   if free.knob.shape and not np.isfinite(free.sigma)

@@ -168,12 +168,12 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int,
 
 def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
     """Return how far towards its bounds a variable can go before the rows notice."""
-    most = float(np.sum(problem.residuals(fit.z)**2)) + NOTICED
+    most = problem.cost(fit.z) + NOTICED
 
     def unnoticed(end: float) -> bool:
         moved = fit.z.copy()
         moved[index] = end
-        return float(np.sum(problem.residuals(moved)**2)) < most
+        return problem.cost(moved) < most
 
     def furthest(bound: float) -> float:
         if unnoticed(bound):

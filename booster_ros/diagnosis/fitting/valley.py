@@ -50,7 +50,7 @@ def at_the_bottom(problem: Problem, fit: Fit) -> Fit:
     low, high = problem.bounds()
     step = lsq_linear(slopes, -problem.residuals(fit.z), (low - fit.z, high - fit.z)).x
     z = fit.z + step
-    cost = float(np.sum(problem.residuals(z)**2))
+    cost = problem.cost(z)
     if cost >= fit.cost:
         return replace(fit, jacobian=slopes)
     p = problem.parameters(z)

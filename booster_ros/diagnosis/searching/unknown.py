@@ -312,4 +312,4 @@ def moved(joint: Problem, z: Array, move: Array) -> Array:
     """Return z after that part of the move which costs least, within the bounds."""
     low, high = joint.bounds()
     places = [np.clip(z + share * move, low, high) for share in SHARES]
-    return min(places, key=lambda place: float(np.sum(joint.residuals(place)**2)))
+    return min(places, key=lambda place: joint.cost(place))

@@ -1,0 +1,178 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a record leaves open of its model, and what that does to what the model predicts."""
+
+from dataclasses import replace
+
+from made_search import (
+    P, RAMPS, RAMPS_TIME, START_PRESSURE, STEPS, everywhere, searching, seen, steps_seen)
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.freedom import declared_freedom, label, put
+from booster_ros.diagnosis.fitting.friction_trials import Trials
+from booster_ros.diagnosis.last_fit import LastFit, draws_of
+from booster_ros.diagnosis.left_open import MODELS, alike, with_left_open
+from booster_ros.diagnosis.result import Alike, ChannelError, errors_of
+
+MILD = np.array([3.9, 4.0, 3.95, 4.05, 4.0, 4.1, 4.05, 4.0, 3.95, 3.9])
+LARGE = np.array([4.6, 3.4, 4.4, 3.5, 4.6, 3.4])
+"""Steps (0.1 mA) that open no seat of the booster as far as it goes, and steps that do."""
+
+
+def errors(experiment, run):
+    return errors_of(experiment, dict.fromkeys(('declared', 'before', 'after'), run),
+                     everywhere(experiment))
+
+
+def test_what_is_left_open_is_the_root_mean_square_of_what_models_differ_by():
+    experiment = seen(P)
+    run = experiment.predict(P)
+    start = experiment.initial
+
+    def off_by(*pressures):
+        return tuple((put(P, 'sensors.pressure_bias', one), start) for one in pressures)
+
+    models = Alike(off_by(300.0, -400.0), {'much': off_by(-300.0, 300.0),
+                                           'little': off_by(-200.0, 200.0)})
+    found = with_left_open(
+        errors(experiment, run), experiment, run, models, everywhere(experiment), start)
+    pressure, position = found['chamber_pressure'], found['valve_position']
+    assert pressure.left_open == pytest.approx(np.sqrt((300.0**2 + 400.0**2) / 2.0), rel=1e-6)
+    assert pressure.mostly == ('much',)
+    assert position.left_open == 0.0
+    assert position.mostly == ()
+    assert errors(experiment, run)['chamber_pressure'].after == pressure.after
+
+
+def test_rows_that_do_not_count_and_channels_without_a_value_leave_nothing_open():
+    experiment = seen(P)
+    later = experiment.time > 10.0
+    experiment = replace(experiment, measured=experiment.measured | {
+        'valve_position': np.full(len(later), np.nan)})
+    run = experiment.predict(P)
+    drifting = put(P, 'ep_converter.drift', 1e3)
+    models = Alike(((drifting, experiment.initial),), {})
+    early, late = (with_left_open(errors(experiment, run), experiment, run, models, rows)
+                   for rows in (~later, later))
+    assert late['chamber_pressure'].left_open > 1.5 * early['chamber_pressure'].left_open
+    assert np.isnan(late['valve_position'].left_open)
+
+
+def fitted(experiment, known=()):
+    """Return the declared model fitted to all rows, but for parameters that are known."""
+    problem = Problem(experiment, everywhere(experiment), P, tuple(
+        free for free in declared_freedom(P, experiment) if free.knob.parameter not in known))
+    return LastFit(problem, problem.fit())
+
+
+def test_what_no_step_of_a_record_needed_is_open_where_another_one_needs_it():
+    """And a valve whose largest area is off by a tolerance misses by about as much."""
+    search = searching(steps_seen(P, np.tile(MILD, 2), START_PRESSURE, seed=1), ())
+    last = fitted(search.experiment, ('booster.critical_pressure_ratio',))
+    models = alike(last, draws_of(search, last))
+    assert len(models.models) == MODELS
+    other = steps_seen(P, LARGE, START_PRESSURE, seed=2)
+    run = other.predict(last.fit.parameters)
+    found = with_left_open(
+        errors(other, run), other, run, models, everywhere(other), other.initial)
+    for name, error in found.items():
+        assert error.met  # this valve is as declared
+        assert error.mostly == ('booster.max_area',)
+        off = [other.predict(put(P, 'booster.max_area', share * P.booster.max_area))[name]
+               for share in (0.94, 1.06)]
+        missed = np.sqrt(np.mean((np.array(off) - run[name])**2))
+        assert 0.5 < error.left_open / missed < 1.6
+    again = with_left_open(
+        errors(search.experiment, search.experiment.predict(last.fit.parameters)),
+        search.experiment, search.experiment.predict(last.fit.parameters, last.fit.initial),
+        models, everywhere(search.experiment))
+    assert all(error.left_open < 0.1 * error.noise for error in again.values())
+    assert all(error.mostly == () for error in again.values())
+
+
+def drawn_valve(seed):
+    """Return a valve that is off by what its declared parameters may be."""
+    rng = np.random.default_rng(seed)
+    valve = P
+    for free in declared_freedom(P, seen(P)):
+        z = float(np.clip(free.sigma * rng.standard_normal(), free.low, free.high))
+        valve = put(valve, free.knob.parameter, free.value(z), free.element)
+    return valve
+
+
+def test_valves_are_missed_by_as_much_as_is_left_open():
+    """Of valves drawn from the tolerances; each is known by ramps, and judged on large steps."""
+    ratios, foreseen = [], []
+    for seed in range(8):
+        valve = drawn_valve(seed)
+        ramps = searching(seen(valve, None, START_PRESSURE, RAMPS[:3000], seed, RAMPS_TIME[:3000]),
+                          ())
+        last = fitted(ramps.experiment)
+        other = steps_seen(valve, LARGE, START_PRESSURE, 100 + seed)
+        run = other.predict(last.fit.parameters)
+        found = with_left_open(errors(other, run), other, run, alike(last, draws_of(ramps, last)),
+                               everywhere(other), other.initial)
+        ratios += [np.sqrt(max(error.after**2 - error.noise**2, 0.0)) / error.left_open
+                   for error in found.values()]
+        foreseen += [error.foreseen for error in found.values()]
+    assert 0.5 < np.sqrt(np.mean(np.square(ratios))) < 1.6
+    assert np.mean(foreseen) > 0.75
+    assert any(error.left_open > 5.0 * error.noise for error in found.values())
+
+
+def test_what_a_record_has_shown_is_open_no_more():
+    search = searching(steps_seen(P, np.r_[STEPS, LARGE], START_PRESSURE, seed=1), ())
+    last = fitted(search.experiment)
+    other = steps_seen(P, LARGE[::-1], START_PRESSURE, seed=2)
+    run = other.predict(last.fit.parameters)
+    found = with_left_open(errors(other, run), other, run, alike(last, draws_of(search, last)),
+                           everywhere(other), other.initial)
+    assert all(0.0 < error.left_open < 0.3 * error.noise for error in found.values())
+
+
+def test_draws_that_miss_what_was_fitted_are_no_models_of_it():
+    experiment = seen(P)
+    last = fitted(experiment)
+    gain = [label(free) for free in last.problem.freedoms].index('ep_converter.gain')
+    near, far = np.tile(last.fit.z, (400, 1)), np.tile(last.fit.z, (400, 1))
+    far[:, gain] += 1.0  # a tolerance, 2 %, of what a record tells to parts of a thousand
+    mixed = near.copy()
+    mixed[::2] = far[::2]
+    assert len(alike(last, near).models) == MODELS
+    assert alike(last, far).models == ()
+    kept = alike(last, mixed).models
+    assert len(kept) == MODELS
+    assert {p.ep_converter.gain for p, _ in kept} == {last.fit.parameters.ep_converter.gain}
+
+
+def test_where_nothing_is_known_of_other_models_the_errors_stay_as_they_are():
+    experiment = seen(P)
+    run = experiment.predict(P)
+    for models in (None, Alike((), {})):
+        assert with_left_open(errors(experiment, run), experiment, run, models,
+                              everywhere(experiment)) == errors(experiment, run)
+
+
+def test_of_a_stem_that_slips_the_trials_that_do_as_well_are_the_models():
+    experiment = seen(P)
+    last = fitted(experiment)
+    z = np.tile(last.fit.z, (200, 1))
+    z[:, 0] += np.linspace(-0.5, 0.5, 200)
+    cost = np.where(np.abs(z[:, 0] - last.fit.z[0]) < 0.25, 1.0, 9.0)
+    cost[-32:] = 1.0
+    models = alike(replace(last, trials=Trials(z, cost, (0,))), np.empty((0, 0))).models
+    assert len(models) == MODELS
+    gains = {p.ep_converter.gain for p, _ in models}
+    free = last.problem.freedoms[0]
+    good = [free.value(one) for one in z[cost == 1.0, 0]]
+    assert (min(gains), max(gains)) == pytest.approx((min(good), max(good)))
+
+
+@pytest.mark.parametrize(('after', 'left_open', 'met', 'foreseen'), [
+    (1.2, 0.0, True, True), (1.5, np.nan, False, False), (1.5, 0.2, False, False),
+    (1.5, 0.9, False, True), (3.0, 0.9, False, False), (np.nan, 1.0, False, False)])
+def test_an_error_is_foreseen_up_to_twice_what_is_left_open(after, left_open, met, foreseen):
+    error = ChannelError('Pa', 9.0, 9.0, after, 1.0, left_open)
+    assert (error.met, error.foreseen) == (met, foreseen)
