@@ -13,7 +13,7 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, label, put
 from booster_ros.diagnosis.fitting.friction_trials import Trials
 from booster_ros.diagnosis.last_fit import LastFit, draws_of
-from booster_ros.diagnosis.left_open import MODELS, alike, with_left_open
+from booster_ros.diagnosis.left_open import MODELS, models_alike, with_left_open
 from booster_ros.diagnosis.result import Alike, ChannelError, errors_of
 
 MILD = np.array([3.9, 4.0, 3.95, 4.05, 4.0, 4.1, 4.05, 4.0, 3.95, 3.9])
@@ -67,27 +67,29 @@ def fitted(experiment, known=()):
     return LastFit(problem, problem.fit())
 
 
+def judged(other, last, models):
+    """Return the errors of the fitted model on another experiment, with what is left open there."""
+    run = other.predict(last.fit.parameters)
+    return with_left_open(
+        errors(other, run), other, run, models, everywhere(other), other.initial)
+
+
 def test_what_no_step_of_a_record_needed_is_open_where_another_one_needs_it():
     """And a valve whose largest area is off by a tolerance misses by about as much."""
     search = searching(steps_seen(P, np.tile(MILD, 2), START_PRESSURE, seed=1), ())
     last = fitted(search.experiment, ('booster.critical_pressure_ratio',))
-    models = alike(last, draws_of(search, last))
+    models = models_alike(last, draws_of(search, last))
     assert len(models.models) == MODELS
     other = steps_seen(P, LARGE, START_PRESSURE, seed=2)
     run = other.predict(last.fit.parameters)
-    found = with_left_open(
-        errors(other, run), other, run, models, everywhere(other), other.initial)
-    for name, error in found.items():
+    for name, error in judged(other, last, models).items():
         assert error.met  # this valve is as declared
         assert error.mostly == ('booster.max_area',)
         off = [other.predict(put(P, 'booster.max_area', share * P.booster.max_area))[name]
                for share in (0.94, 1.06)]
         missed = np.sqrt(np.mean((np.array(off) - run[name])**2))
         assert 0.5 < error.left_open / missed < 1.6
-    again = with_left_open(
-        errors(search.experiment, search.experiment.predict(last.fit.parameters)),
-        search.experiment, search.experiment.predict(last.fit.parameters, last.fit.initial),
-        models, everywhere(search.experiment))
+    again = judged(search.experiment, last, models)
     assert all(error.left_open < 0.1 * error.noise for error in again.values())
     assert all(error.mostly == () for error in again.values())
 
@@ -111,9 +113,7 @@ def test_valves_are_missed_by_as_much_as_is_left_open():
                           ())
         last = fitted(ramps.experiment)
         other = steps_seen(valve, LARGE, START_PRESSURE, 100 + seed)
-        run = other.predict(last.fit.parameters)
-        found = with_left_open(errors(other, run), other, run, alike(last, draws_of(ramps, last)),
-                               everywhere(other), other.initial)
+        found = judged(other, last, models_alike(last, draws_of(ramps, last)))
         ratios += [np.sqrt(max(error.after**2 - error.noise**2, 0.0)) / error.left_open
                    for error in found.values()]
         foreseen += [error.foreseen for error in found.values()]
@@ -126,9 +126,7 @@ def test_what_a_record_has_shown_is_open_no_more():
     search = searching(steps_seen(P, np.r_[STEPS, LARGE], START_PRESSURE, seed=1), ())
     last = fitted(search.experiment)
     other = steps_seen(P, LARGE[::-1], START_PRESSURE, seed=2)
-    run = other.predict(last.fit.parameters)
-    found = with_left_open(errors(other, run), other, run, alike(last, draws_of(search, last)),
-                           everywhere(other), other.initial)
+    found = judged(other, last, models_alike(last, draws_of(search, last)))
     assert all(0.0 < error.left_open < 0.3 * error.noise for error in found.values())
 
 
@@ -140,9 +138,9 @@ def test_draws_that_miss_what_was_fitted_are_no_models_of_it():
     far[:, gain] += 1.0  # a tolerance, 2 %, of what a record tells to parts of a thousand
     mixed = near.copy()
     mixed[::2] = far[::2]
-    assert len(alike(last, near).models) == MODELS
-    assert alike(last, far).models == ()
-    kept = alike(last, mixed).models
+    assert len(models_alike(last, near).models) == MODELS
+    assert models_alike(last, far).models == ()
+    kept = models_alike(last, mixed).models
     assert len(kept) == MODELS
     assert {p.ep_converter.gain for p, _ in kept} == {last.fit.parameters.ep_converter.gain}
 
@@ -162,7 +160,7 @@ def test_of_a_stem_that_slips_the_trials_that_do_as_well_are_the_models():
     z[:, 0] += np.linspace(-0.5, 0.5, 200)
     cost = np.where(np.abs(z[:, 0] - last.fit.z[0]) < 0.25, 1.0, 9.0)
     cost[-32:] = 1.0
-    models = alike(replace(last, trials=Trials(z, cost, (0,))), np.empty((0, 0))).models
+    models = models_alike(replace(last, trials=Trials(z, cost, (0,))), np.empty((0, 0))).models
     assert len(models) == MODELS
     gains = {p.ep_converter.gain for p, _ in models}
     free = last.problem.freedoms[0]

@@ -18,7 +18,7 @@ from booster_ros.diagnosis.fitting.fit import Fit
 from booster_ros.diagnosis.fitting.freedom import Free, get, label
 from booster_ros.diagnosis.fitting.intervals import interval_of, shapes_of, traded
 from booster_ros.diagnosis.last_fit import LastFit, draws_of, last_fit
-from booster_ros.diagnosis.left_open import alike, with_left_open
+from booster_ros.diagnosis.left_open import models_alike, with_left_open
 from booster_ros.diagnosis.locked_part import DOES_NOT_STAND, less_the_locked_part, opened
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
@@ -125,7 +125,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         effects, table = _found_unknown(unnamed, after)
     draws = last.draws if len(last.draws) else draws_of(search, last)
     refitted = _refitted(before, replace(last, draws=draws), search)
-    models = alike(last, draws)
+    models = models_alike(last, draws)
     locked = rows_of(search.segments, ('test',), len(experiment.time))
     return Diagnosis(
         found.verdict, effects, table, errors_of(experiment, found.runs, rows),

@@ -50,7 +50,7 @@ MOST = 0.5
 """Share of the square that one parameter makes by itself, from which most is of it."""
 
 
-def alike(last: LastFit, draws: Array) -> Alike:
+def models_alike(last: LastFit, draws: Array) -> Alike:
     """Return models that suit the record as well as the last one; `draws` of z are for them."""
     problem, fit = last.problem, last.fit
     found = _among_trials(last.trials.as_good) if last.trials else _suiting(problem, fit, draws)
