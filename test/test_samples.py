@@ -57,6 +57,12 @@ def test_nothing_is_added_to_a_clean_record(tmp_path):
     assert report['effects'] == []
     held_out_is_near_noise(report)
     misses_no_more_than_is_left_open(report)
+    told = {}
+    for name, one in report['declared_parameters'].items():
+        assert one['low'] <= one['after'] <= one['high']
+        told[name] = (one['high'] - one['low']) / (2.0 * 1.96 * one['spread'])
+    assert told['booster.max_area'] > 0.8  # no step of this record needed it
+    assert told['ep_converter.gain'] < 0.02
 
 
 def test_stem_friction_is_named_and_explains_nearly_all(tmp_path):
