@@ -13,12 +13,17 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, label, put
 from booster_ros.diagnosis.fitting.friction_trials import Trials
 from booster_ros.diagnosis.last_fit import LastFit, draws_of
-from booster_ros.diagnosis.left_open import MODELS, models_alike, with_left_open
+from booster_ros.diagnosis.left_open import FEWEST, MODELS, models_alike, with_left_open
 from booster_ros.diagnosis.result import Alike, ChannelError, errors_of
 
 MILD = np.array([3.9, 4.0, 3.95, 4.05, 4.0, 4.1, 4.05, 4.0, 3.95, 3.9])
 LARGE = np.array([4.6, 3.4, 4.4, 3.5, 4.6, 3.4])
 """Steps (0.1 mA) that open no seat of the booster as far as it goes, and steps that do."""
+
+
+def made(models, one_off=None):
+    """Return models that are not asked which of them meets what is missed."""
+    return Alike(models, one_off or {}, None, None)
 
 
 def errors(experiment, run):
@@ -34,16 +39,30 @@ def test_what_is_left_open_is_the_root_mean_square_of_what_models_differ_by():
     def off_by(*pressures):
         return tuple((put(P, 'sensors.pressure_bias', one), start) for one in pressures)
 
-    models = Alike(off_by(300.0, -400.0), {'much': off_by(-300.0, 300.0),
-                                           'little': off_by(-200.0, 200.0)})
+    models = made(off_by(300.0, -400.0), {'much': off_by(-300.0, 300.0),
+                                          'little': off_by(-200.0, 200.0)})
     found = with_left_open(
         errors(experiment, run), experiment, run, models, everywhere(experiment), start)
     pressure, position = found['chamber_pressure'], found['valve_position']
     assert pressure.left_open == pytest.approx(np.sqrt((300.0**2 + 400.0**2) / 2.0), rel=1e-6)
-    assert pressure.mostly == ('much',)
+    assert list(pressure.mostly) == ['much']
     assert position.left_open == 0.0
-    assert position.mostly == ()
+    assert position.mostly == {}
     assert errors(experiment, run)['chamber_pressure'].after == pressure.after
+    turned = replace(experiment, measured=dict(reversed(experiment.measured.items())))
+    again = with_left_open(errors(turned, run), turned, run, models, everywhere(turned), start)
+    assert str(again['chamber_pressure']) == str(pressure)
+
+
+def test_all_models_begin_where_they_are_told_to_or_each_in_its_own_start():
+    experiment = seen(P)
+    run = experiment.predict(P)
+    models = made(((P, replace(experiment.initial, chamber_pressure=START_PRESSURE + 5e3)),))
+    told, own = (with_left_open(errors(experiment, run), experiment, run, models,
+                                everywhere(experiment), start)['chamber_pressure'].left_open
+                 for start in (experiment.initial, None))
+    assert told == 0.0
+    assert own > 100.0
 
 
 def test_rows_that_do_not_count_and_channels_without_a_value_leave_nothing_open():
@@ -53,11 +72,15 @@ def test_rows_that_do_not_count_and_channels_without_a_value_leave_nothing_open(
         'valve_position': np.full(len(later), np.nan)})
     run = experiment.predict(P)
     drifting = put(P, 'ep_converter.drift', 1e3)
-    models = Alike(((drifting, experiment.initial),), {})
+    models = made(((drifting, experiment.initial),))
     early, late = (with_left_open(errors(experiment, run), experiment, run, models, rows)
                    for rows in (~later, later))
     assert late['chamber_pressure'].left_open > 1.5 * early['chamber_pressure'].left_open
     assert np.isnan(late['valve_position'].left_open)
+    nowhere = np.zeros(len(later), dtype=bool)
+    none = with_left_open(errors_of(experiment, dict.fromkeys(('declared', 'before', 'after'), run),
+                                    nowhere), experiment, run, models, nowhere)
+    assert all(np.isnan(error.left_open) for error in none.values())
 
 
 def fitted(experiment, known=()):
@@ -84,14 +107,14 @@ def test_what_no_step_of_a_record_needed_is_open_where_another_one_needs_it():
     run = other.predict(last.fit.parameters)
     for name, error in judged(other, last, models).items():
         assert error.met  # this valve is as declared
-        assert error.mostly == ('booster.max_area',)
+        assert list(error.mostly) == ['booster.max_area']
         off = [other.predict(put(P, 'booster.max_area', share * P.booster.max_area))[name]
                for share in (0.94, 1.06)]
         missed = np.sqrt(np.mean((np.array(off) - run[name])**2))
         assert 0.5 < error.left_open / missed < 1.6
     again = judged(search.experiment, last, models)
     assert all(error.left_open < 0.1 * error.noise for error in again.values())
-    assert all(error.mostly == () for error in again.values())
+    assert all(error.mostly == {} for error in again.values())
 
 
 def drawn_valve(seed):
@@ -104,22 +127,32 @@ def drawn_valve(seed):
     return valve
 
 
-def test_valves_are_missed_by_as_much_as_is_left_open():
+FAULTS = {'sensors.pressure_bias': 3e3, 'actuator.leak_area': 4e-7, 'sensors.position_lag': 0.1}
+"""What a valve is to have got between two records."""
+
+
+def test_valves_are_missed_by_as_much_as_is_left_open_unless_something_is_missing():
     """Of valves drawn from the tolerances; each is known by ramps, and judged on large steps."""
-    ratios, foreseen = [], []
+    ratios, excused = [], []
     for seed in range(8):
         valve = drawn_valve(seed)
         ramps = searching(seen(valve, None, START_PRESSURE, RAMPS[:3000], seed, RAMPS_TIME[:3000]),
                           ())
         last = fitted(ramps.experiment)
-        other = steps_seen(valve, LARGE, START_PRESSURE, 100 + seed)
-        found = judged(other, last, models_alike(last, draws_of(ramps, last)))
+        models = models_alike(last, draws_of(ramps, last))
+        found = judged(steps_seen(valve, LARGE, START_PRESSURE, 100 + seed), last, models)
         ratios += [np.sqrt(max(error.after**2 - error.noise**2, 0.0)) / error.left_open
                    for error in found.values()]
-        foreseen += [error.foreseen for error in found.values()]
-    assert 0.5 < np.sqrt(np.mean(np.square(ratios))) < 1.6
-    assert np.mean(foreseen) > 0.75
-    assert any(error.left_open > 5.0 * error.noise for error in found.values())
+        for error in found.values():
+            assert error.foreseen
+            if not error.met:
+                assert error.mostly['booster.max_area'] == pytest.approx(
+                    valve.booster.max_area, rel=0.01)
+        for name, size in FAULTS.items():
+            ill = steps_seen(put(valve, name, size), LARGE, START_PRESSURE, 200 + seed)
+            excused.append(all(error.foreseen for error in judged(ill, last, models).values()))
+    assert 0.6 < np.sqrt(np.mean(np.square(ratios))) < 1.4
+    assert not any(excused)
 
 
 def test_what_a_record_has_shown_is_open_no_more():
@@ -137,9 +170,12 @@ def test_draws_that_miss_what_was_fitted_are_no_models_of_it():
     near, far = np.tile(last.fit.z, (400, 1)), np.tile(last.fit.z, (400, 1))
     far[:, gain] += 1.0  # a tolerance, 2 %, of what a record tells to parts of a thousand
     mixed = near.copy()
-    mixed[::2] = far[::2]
+    mixed[::8] = far[::8]  # every fourth is looked at
     assert len(models_alike(last, near).models) == MODELS
-    assert models_alike(last, far).models == ()
+    assert models_alike(last, far) is None
+    few = far.copy()
+    few[:4 * (FEWEST - 1):4] = last.fit.z
+    assert models_alike(last, few) is None
     kept = models_alike(last, mixed).models
     assert len(kept) == MODELS
     assert {p.ep_converter.gain for p, _ in kept} == {last.fit.parameters.ep_converter.gain}
@@ -148,29 +184,80 @@ def test_draws_that_miss_what_was_fitted_are_no_models_of_it():
 def test_where_nothing_is_known_of_other_models_the_errors_stay_as_they_are():
     experiment = seen(P)
     run = experiment.predict(P)
-    for models in (None, Alike((), {})):
-        assert with_left_open(errors(experiment, run), experiment, run, models,
-                              everywhere(experiment)) == errors(experiment, run)
+    assert with_left_open(errors(experiment, run), experiment, run, None,
+                          everywhere(experiment)) == errors(experiment, run)
+
+
+def test_what_others_have_to_make_up_for_is_not_asked_alone():
+    experiment = seen(P)
+    last = fitted(experiment)
+    names = [label(free) for free in last.problem.freedoms]
+    gain, limit = (names.index(name) for name in ('ep_converter.gain', 'booster.max_area'))
+    rng = np.random.default_rng(1)
+    draws = np.tile(last.fit.z, (400, 1))
+    step = 1.5 * np.sqrt(10.0) / np.linalg.norm(last.fit.jacobian[:, gain])
+    draws[:, gain] += step * rng.choice([-1.0, 1.0], 400)
+    draws[:, limit] += rng.standard_normal(400)
+    assert list(models_alike(last, draws).one_off) == ['booster.max_area']
+
+
+def test_no_model_is_beyond_the_bounds():
+    experiment = seen(P)
+    last = fitted(experiment)
+    limit = [label(free) for free in last.problem.freedoms].index('booster.max_area')
+    draws = np.tile(last.fit.z, (400, 1))
+    draws[:, limit] += np.where(np.arange(400) % 8 < 4, 0.0, 99.0)
+    models = models_alike(last, draws)
+    highest = last.problem.freedoms[limit].knob.high
+    both = [*models.models, *models.one_off['booster.max_area']]
+    assert max(p.booster.max_area for p, _ in both) == pytest.approx(highest)
 
 
 def test_of_a_stem_that_slips_the_trials_that_do_as_well_are_the_models():
+    """With declared parameters, which no trial has varied, as the bootstrap leaves them open."""
     experiment = seen(P)
     last = fitted(experiment)
+    names = [label(free) for free in last.problem.freedoms]
+    limit = names.index('booster.max_area')
     z = np.tile(last.fit.z, (200, 1))
-    z[:, 0] += np.linspace(-0.5, 0.5, 200)
-    cost = np.where(np.abs(z[:, 0] - last.fit.z[0]) < 0.25, 1.0, 9.0)
-    cost[-32:] = 1.0
-    models = models_alike(replace(last, trials=Trials(z, cost, (0,))), np.empty((0, 0))).models
-    assert len(models) == MODELS
-    gains = {p.ep_converter.gain for p, _ in models}
+    z[:, 0] += np.linspace(-0.01, 0.01, 200)
+    cost = np.where(np.abs(z[:, 0] - last.fit.z[0]) < 0.005, last.fit.cost, 1e9)
+    cost[-32:] = last.fit.cost
+    trials = Trials(z, cost, (0,))
+    draws = np.tile(last.fit.z, (400, 1))
+    draws[:, limit] += np.random.default_rng(1).standard_normal(400)
+    slipping = replace(last, trials=trials)
+    models = models_alike(slipping, trials.instead_of(draws)).models
     free = last.problem.freedoms[0]
-    good = [free.value(one) for one in z[cost == 1.0, 0]]
-    assert (min(gains), max(gains)) == pytest.approx((min(good), max(good)))
+    good = [free.value(one) for one in z[cost == last.fit.cost, 0]]
+    gains = {p.ep_converter.gain for p, _ in models}
+    assert len(gains) > 5
+    assert min(good) <= min(gains) < max(gains) <= max(good)
+    areas = np.array([p.booster.max_area for p, _ in models]) / P.booster.max_area
+    assert np.std(areas) == pytest.approx(0.06, rel=0.4)
 
 
-@pytest.mark.parametrize(('after', 'left_open', 'met', 'foreseen'), [
-    (1.2, 0.0, True, True), (1.5, np.nan, False, False), (1.5, 0.2, False, False),
-    (1.5, 0.9, False, True), (3.0, 0.9, False, False), (np.nan, 1.0, False, False)])
-def test_an_error_is_foreseen_up_to_twice_what_is_left_open(after, left_open, met, foreseen):
-    error = ChannelError('Pa', 9.0, 9.0, after, 1.0, left_open)
+def test_of_slips_the_size_alone_is_compared():
+    """Which comes when is chance: no sum of differences has the valve's."""
+    rubbing = put(put(P, 'actuator.coulomb_friction', 400.0), 'actuator.stiction', 100.0)
+    experiment = seen(P)
+    run = experiment.predict(P)
+    errors_of_run = errors(experiment, run)
+    left = {name: replace(error, after=1.5 * error.noise)
+            for name, error in errors_of_run.items()}
+    models = made(((rubbing, experiment.initial),))
+    for error in with_left_open(left, experiment, run, models, everywhere(experiment),
+                                      experiment.initial).values():
+        much = error.left_open > 1.2 * error.noise
+        assert error.unforeseen == pytest.approx(
+            error.noise if much else np.sqrt(1.5**2 * error.noise**2 - 4.0 * error.left_open**2))
+        assert error.foreseen
+
+
+@pytest.mark.parametrize(('after', 'unforeseen', 'met', 'foreseen'), [
+    (1.2, 9.0, True, True), (1.5, np.nan, False, False), (1.5, 1.4, False, False),
+    (3.0, 1.1, False, True), (np.nan, np.nan, False, False)])
+def test_an_error_is_foreseen_where_noise_is_left_beyond_what_is_open(
+        after, unforeseen, met, foreseen):
+    error = ChannelError('Pa', 9.0, 9.0, after, 1.0, 2.0, unforeseen)
     assert (error.met, error.foreseen) == (met, foreseen)

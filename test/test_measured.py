@@ -116,6 +116,7 @@ def test_a_section_says_what_the_diagnosis_does(without_100):
     text = page.section(FLOW_BENCH_WITHOUT_100, without_100)
     assert '**The model lacks booster dead band and plug flow force.**' in text
     error = without_100.held_out['mass_flow']
+    assert np.isnan(error.left_open)  # what was fitted is missed as well
     row = next(line for line in text.splitlines()
                if line.startswith(f'| {channel_label("mass_flow")}, held out'))
     cells = [float(cell) for cell in row.split('|')[2:-1]]

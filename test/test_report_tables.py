@@ -41,20 +41,23 @@ def test_declared_parameters_say_how_far_they_were_moved():
     assert text.count('σ') == 2
 
 
-def test_declared_parameters_have_intervals_and_those_that_were_not_told_are_marked():
+def test_declared_parameters_have_intervals_and_those_that_are_hardly_told_are_marked():
     told = Refitted('supply.pressure', 'Pa', 4e5, 4.01e5, 4.02e5, 6e3, 0.2, 0.3, False,
-                    401.9e3, 402.1e3)
-    open_yet = replace(told, low=390e3, high=413e3)
-    alone = replace(told, low=float('nan'), high=float('nan'))  # a term over time is fitted alone
-    free = replace(open_yet, spread=None)
-    assert (told.shown, open_yet.shown, alone.shown, free.shown) == (True, False, True, True)
+                    401.9e3, 402.1e3, 0.01)
+    open_yet = replace(told, low=390e3, high=413e3, width=0.98)
+    moved = replace(open_yet, away_after=-2.5)
+    alone = replace(told, low=float('nan'), high=float('nan'), width=float('nan'))
+    cornered = replace(alone, at_limit=True)
+    assert [one.hardly_told for one in (told, open_yet, moved, alone)] == [
+        False, True, False, False]
     stages = {'after': 'refitted'}
     assert '401.9 to 402.1 kPa' in Page(declared_table((told,), stages)).texts
     page = Page(declared_table((open_yet,), stages))
     assert '390.0 to 413.0 kPa' in page.texts
-    assert 'not told by this record' in page.texts
+    assert 'hardly told by this record' in page.texts
     assert '–' in Page(declared_table((alone,), stages)).texts
-    assert not any('not told' in declared_table((one,), stages) for one in (told, alone, free))
+    assert 'at its limit' in Page(declared_table((cornered,), stages)).texts
+    assert not any('hardly told' in declared_table((one,), stages) for one in (told, moved, alone))
 
 
 def test_a_short_interval_of_a_length_is_in_one_unit():

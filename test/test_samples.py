@@ -48,7 +48,7 @@ def misses_no_more_than_is_left_open(report: dict) -> None:
     """Assert that more than noise is left only where the record leaves as much open."""
     for part in ('held_out', 'validation'):
         for channel in report[part].values():
-            assert channel['after'] <= np.hypot(1.3 * channel['noise'], 2.0 * channel['left_open'])
+            assert channel['unforeseen'] <= 1.3 * channel['noise']
 
 
 def test_nothing_is_added_to_a_clean_record(tmp_path):
@@ -178,8 +178,8 @@ def test_the_hidden_effect_is_named_where_it_is_born(case, tmp_path):
     for channel in report['held_out'].values():
         assert channel['before'] > 2.0 * channel['after']
         assert channel['left_open'] < 0.3 * channel['noise']
-    by_area = [channel['mostly'] == ['booster.max_area']
-               for channel in report['validation'].values()]
-    assert all(by_area) if case == 'sample_chamber_leak' else not any(by_area)
+    if case == 'sample_chamber_leak':
+        for channel in report['validation'].values():
+            assert channel['mostly'] == {'booster.max_area': pytest.approx(1.507e-6, rel=0.01)}
     for parameter in effect['parameters'].values():
         assert parameter['low'] <= parameter['value'] <= parameter['high']

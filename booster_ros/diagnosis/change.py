@@ -81,6 +81,10 @@ def since_change(
         return diagnosis
     change, before = found
     later = _later(record, change, diagnosis.declared, tell) if left > MUCH else None
+    # the declared model, fitted to the rows that are missed as well, has not met them
+    diagnosis = replace(diagnosis, held_out={
+        name: replace(error, left_open=np.nan, unforeseen=np.nan, mostly={})
+        for name, error in diagnosis.held_out.items()})
     if later is None:
         return replace(diagnosis, change=change)
     silent = tuple(name for name in diagnosis.experiment.channels

@@ -123,12 +123,16 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
         effects = (_nameless(found.refused.location, unnamed[:1]),)
     elif found.verdict == 'unknown':
         effects, table = _found_unknown(unnamed, after)
-    draws = last.draws if len(last.draws) else draws_of(search, last)
-    refitted = _refitted(before, replace(last, draws=draws), search)
-    models = models_alike(last, draws)
+    last = last if len(last.draws) else replace(last, draws=draws_of(search, last))
+    fitted = errors_of(experiment, found.runs, rows)
+    refitted = _refitted(before, last, search)
+    # a record that is not met leaves open what is missing, and a term over time all else
+    told = all(one.met for one in fitted.values() if np.isfinite(one.after))
+    whole = len(last.fit.freedoms) >= len(search.freedoms)
+    models = models_alike(last, last.draws) if told and whole else None
     locked = rows_of(search.segments, ('test',), len(experiment.time))
     return Diagnosis(
-        found.verdict, effects, table, errors_of(experiment, found.runs, rows),
+        found.verdict, effects, table, fitted,
         with_left_open(found.errors, experiment, found.runs['after'], models, locked),
         _suspects(tried, unnamed, table, found.refused),
         refitted, search.declared, before.parameters, after.parameters,
@@ -267,13 +271,15 @@ def _refitted(before: Fit, last: LastFit, search: Search) -> tuple[Refitted, ...
         j = places.get((name, element))
         # beside an effect it may be looser; a term over time is fitted alone
         looser = free if j is None else after.freedoms[j]
-        ends = (np.nan, np.nan) if j is None else interval_of(
-            last.problem, last.draws, after, j)[1:]
         z = looser.variable(get(after.parameters, name, element))
+        at_limit = _at_limit(looser, z)
+        low, high = (np.nan, np.nan) if j is None or at_limit else interval_of(
+            last.problem, last.draws, after, j)[1:]
+        width = abs(looser.variable(high) - looser.variable(low)) / (2.0 * 1.96 * looser.sigma)
         rows.append(Refitted(
             label(free), DESCRIPTIONS[name].unit,
             get(search.declared, name, element), get(before.parameters, name, element),
             get(after.parameters, name, element), looser.spread,
             free.away(free.variable(get(before.parameters, name, element))), looser.away(z),
-            _at_limit(looser, z), *ends))
+            at_limit, low, high, width))
     return tuple(rows)

@@ -1,28 +1,33 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a record leaves open of its model, and by how much predictions may be off for that.
+What a record leaves open of its model, and what predictions may be off by for that alone.
 
 A record tells parameters to their intervals. Data that ask for what it hardly shows, a largest area
 that none of its steps needed, are missed by as much as models within these differ by there, though
-nothing is missing in any of them. So
+nothing is missing in any of them. So, where the fitted rows are met,
 
 1. draw parameters as the record leaves them open: as for their intervals, by a bootstrap of its
-   segments and of what was expected, or, of a stem that sticks and slips, trials that do as well;
+   segments and of what was expected, of a stem that sticks and slips with trials that do as well.
+   Shapes of effects stay as they were found;
 2. leave out those with which the rows that were fitted are missed by clearly more: a straight line
    along which one parameter makes up for another leads over bounds and past bends;
 3. run the others over the data. The root mean square of what they differ by from the model is the
-   standard uncertainty of what it predicts.
+   standard uncertainty of what it predicts there;
+4. where more than noise is missed, seek the model that meets the fitted rows and these together. If
+   it still meets the fitted ones, what it leaves of the others is what no parameter is to blame
+   for. Of slips, which come when chance will have it, the size alone is compared.
 
 (Propagation of distributions by a Monte Carlo method: JCGM 101:2008, 5 and 7.)
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial, rmse
+from booster_ros.diagnosis.fitting.descent import descend
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import label
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
@@ -33,15 +38,19 @@ from booster_ros.model.parameters import ParameterError, check_consistent
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
+Model = tuple[PositionerParameters, Initial]
 
 MODELS = 32
 """Models that are run: what is left open is told to 13 % then, two times of three."""
 
-MOST_DRAWN = 96
+MOST_DRAWN = 100
+
+FEWEST = 12
+"""Models below which nothing is said."""
 
 AS_WELL = 10.0
-"""Rise of the cost for each variable, in what is left of each row, from which a draw misses clearly
-more: of intervals that are right it is one for each, some times that of coloured residuals."""
+"""Rise of the cost for each variable from which a draw misses clearly more: of intervals that are
+right it is one for each, some times that of coloured residuals."""
 
 WORTH_ASKING = 0.3
 """Share of the noise from which it is asked what makes most of it: it then adds 4 % to an error."""
@@ -49,15 +58,20 @@ WORTH_ASKING = 0.3
 MOST = 0.5
 """Share of the square that one parameter makes by itself, from which most is of it."""
 
+SLIPS = 2.0
+"""Standard deviations of what is left open up to which slips are missed by chance."""
 
-def models_alike(last: LastFit, draws: Array) -> Alike:
+EVALUATIONS = 12
+
+
+def models_alike(last: LastFit, draws: Array) -> Alike | None:
     """Return models that suit the record as well as the last one; `draws` of z are for them."""
     problem, fit = last.problem, last.fit
-    found = _among_trials(last.trials.as_good) if last.trials else _suiting(problem, fit, draws)
-    models = [(problem.parameters(z), z) for z in found]
-    return Alike(
-        tuple((p, problem.initial(z, p)) for p, z in models if _consistent(p)),
-        dict(_apart(problem, fit, np.array(found))) if len(found) > 1 else {})
+    found = _suiting(problem, last, draws)
+    if len(found) < FEWEST:
+        return None
+    return Alike(tuple(_model(problem, z) for z in found),
+                 dict(_one_off(problem, fit, np.array(found))), problem, fit)
 
 
 def with_left_open(
@@ -69,47 +83,108 @@ def with_left_open(
 
     All models begin where `start` says, each in its own start if it is None.
     """
-    if models is None or not models.models:
+    if models is None:
+        return dict(errors)
+    counted = {name: rows & np.isfinite(measured) for name, measured in experiment.measured.items()
+               if np.isfinite(errors[name].after)}
+    if not counted:
         return dict(errors)
 
-    def apart(model: tuple[PositionerParameters, Initial]) -> dict[str, float]:
+    def apart(model: Model) -> dict[str, float]:
         parameters, initial = model
         other = experiment.predict(parameters, start or initial)
-        return {name: rmse(np.where(np.isfinite(measured), run[name], np.nan), other[name], rows)
-                for name, measured in experiment.measured.items()}
+        return {name: float(np.mean((other[name] - run[name])[at]**2))
+                for name, at in counted.items()}
 
     total = _together(side_by_side(apart, models.models))
-    share = max(total[name] / error.noise for name, error in errors.items())
-    asked = models.one_off if share >= WORTH_ASKING else {}
-    alone = {one: _together(side_by_side(apart, ends)) for one, ends in asked.items()}
-    return {name: replace(error, left_open=total[name], mostly=tuple(
-        one for one, moved in alone.items() if moved[name]**2 > MOST * total[name]**2))
+    much = any(total[name] >= WORTH_ASKING * errors[name].noise for name in total)
+    alone = {one: _together(side_by_side(apart, ends)) for one, ends in models.one_off.items()
+             } if much else {}
+    beyond = {name: errors[name].after for name in counted}
+    found: dict[str, float] = {}
+    if any(has_dry_friction(p.actuator) for p, _ in models.models):
+        beyond = _beyond_size(errors, total)
+    elif much and not all(errors[name].met for name in counted):
+        nearer, found = _beyond_reach(models, experiment, rows, start is None)
+        beyond |= nearer
+    return {name: error if name not in total else replace(
+        error, left_open=total[name], unforeseen=beyond[name], mostly={
+            one: found.get(one, np.nan) for one, moved in alone.items()
+            if moved[name]**2 > MOST * total[name]**2})
             for name, error in errors.items()}
 
 
-def _together(runs: Iterable[Mapping[str, float]]) -> dict[str, float]:
-    """Return the root mean square over runs, NaN where one did not come to its end."""
-    several = list(runs)
-    return {name: float(np.sqrt(np.mean([one[name]**2 for one in several]))) for name in several[0]}
+def _together(runs: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the root of the mean over runs, NaN where one of them did not come to its end."""
+    return {name: float(np.sqrt(np.mean([one[name] for one in runs]))) for name in runs[0]}
 
 
-def _among_trials(good: Array) -> list[Array]:
-    """Return some of the trials, near ones and far ones alike."""
-    return list(good[np.unique(np.linspace(0, len(good) - 1, MODELS).astype(int))])
+def _beyond_size(errors: Mapping[str, ChannelError], total: Mapping[str, float]
+                 ) -> dict[str, float]:
+    """Return what is missed beyond some standard deviations of what is left open, and noise."""
+    found = {}
+    for name, left in total.items():
+        noise = min(errors[name].noise, errors[name].after)
+        found[name] = float(np.hypot(noise, np.sqrt(np.maximum(
+            errors[name].after**2 - noise**2 - (SLIPS * left)**2, 0.0))))
+    return found
 
 
-def _suiting(problem: Problem, fit: Fit, draws: Array) -> list[Array]:
+def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
+                  ) -> tuple[dict[str, float], dict[str, float]]:
+    """
+    Return what is missed by the model that is nearest to meeting the record and these rows as well.
+
+    And its parameters by name. Both are empty if the record speaks against it. Where it is the
+    `same` experiment the model begins as fitted.
+    """
+    first, fit = models.problem, models.fit
+    shared, own = len(first.freedoms), len(fit.z)
+    # what was expected of the parameters counts once
+    other = replace(first, experiment=experiment, rows=rows, freedoms=tuple(
+        replace(free, sigma=np.inf) for free in first.freedoms))
+    begin = np.append(fit.z, fit.z[shared:] if same else np.zeros(other.nuisances))
+    of_other = np.r_[0:shared, own:len(begin)]
+    many = len(first.residuals(fit.z))
+
+    def residuals(z: Array) -> Array:
+        return np.append(first.residuals(z[:own]), other.residuals(z[of_other]))
+
+    def jacobian(z: Array, here: Array, before: Array | None) -> Array:
+        slopes = np.zeros((len(here), len(z)))
+        slopes[:many, :own] = first.jacobian(
+            z[:own], here[:many], None if before is None else before[:many, :own])
+        slopes[many:, of_other] = other.jacobian(
+            z[of_other], here[many:], None if before is None else before[many:, of_other])
+        return slopes
+
+    low, high = (np.append(one, another[shared:])
+                 for one, another in zip(first.bounds(), other.bounds()))
+    z = descend(residuals, jacobian, np.clip(begin, low, high), low, high, EVALUATIONS).z
+    if first.cost(z[:own]) > first.cost(fit.z) + AS_WELL * own:
+        return {}, {}
+    predicted = other.predict(z[of_other]) or {}
+    return ({name: rmse(experiment.measured[name], values, rows)
+             for name, values in predicted.items()},
+            {label(free): float(free.value(one)) for free, one in zip(first.freedoms, z)})
+
+
+def _suiting(problem: Problem, last: LastFit, draws: Array) -> list[Array]:
     """Return draws, shapes as they were found, that miss what was fitted by hardly more."""
-    low, high = problem.bounds()
-    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
-    drawn = draws[:MOST_DRAWN].copy()
+    fit = last.fit
+    varied = last.trials.varied if last.trials else ()
+    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape and j not in varied]
+    drawn = np.clip(draws[::max(len(draws) // MOST_DRAWN, 1)][:MOST_DRAWN], *problem.bounds())
     drawn[:, shapes] = fit.z[shapes]
+    drawn = drawn[[_consistent(problem.parameters(z)) for z in drawn]]
     cost = _cost(problem, fit)
-    least = cost(fit.z)
-    most = least + AS_WELL * len(fit.z) * max(1.0, least / problem.rows_counted())
+    least = cost(fit.z) if last.trials is None else float(
+        np.max(last.trials.cost[last.trials.are_good]))
     found: list[Array] = []
-    for some in np.split(np.clip(drawn, low, high), MOST_DRAWN // MODELS):
-        found += [z for z, left in zip(some, side_by_side(cost, some)) if left <= most]
+    for k in range(0, len(drawn), MODELS):
+        some = drawn[k:k + MODELS]
+        found += [z for z, left in zip(some, side_by_side(cost, some))
+                  if left <= least + AS_WELL * len(fit.z)]
         if len(found) >= MODELS:
             break
     return found[:MODELS]
@@ -119,27 +194,28 @@ def _cost(problem: Problem, fit: Fit) -> Callable[[Array], float]:
     return problem.cost_through_slips if has_dry_friction(fit.parameters.actuator) else problem.cost
 
 
-def _apart(problem: Problem, fit: Fit, models: Array
-           ) -> Iterable[tuple[str, tuple[tuple[PositionerParameters, Initial], ...]]]:
+def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, tuple[Model, ...]]]:
     """
     Yield the model with a single parameter off to either side by as much as it is left open.
 
     Only of those that may be off by so much alone: where others have to make up for it, what it
     does by itself is no model of the record.
     """
+    low, high = problem.bounds()
     middle, spread = models.mean(axis=0), models.std(axis=0)
     noticed = np.linalg.norm(fit.jacobian, axis=0) * spread
     for j, free in enumerate(problem.freedoms):
         if spread[j] == 0.0 or noticed[j]**2 > AS_WELL:
             continue
-        ends = []
-        for way in (-spread[j], spread[j]):
-            z = fit.z.copy()
-            z[j] = middle[j] + way
-            p = problem.parameters(z)
-            ends.append((p, problem.initial(z, p)))
-        if all(_consistent(p) for p, _ in ends):
-            yield label(free), tuple(ends)
+        ends = np.tile(fit.z, (2, 1))
+        ends[:, j] = np.clip(middle[j] + spread[j] * np.array([-1.0, 1.0]), low[j], high[j])
+        if all(_consistent(problem.parameters(z)) for z in ends):
+            yield label(free), tuple(_model(problem, z) for z in ends)
+
+
+def _model(problem: Problem, z: Array) -> Model:
+    p = problem.parameters(z)
+    return p, problem.initial(z, p)
 
 
 def _consistent(parameters: PositionerParameters) -> bool:

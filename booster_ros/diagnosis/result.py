@@ -9,6 +9,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.experiment.segments import Segment
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
@@ -126,7 +127,9 @@ class ChannelError:
     Root mean square errors of one channel: parameters as given, refitted, with the effect.
 
     `left_open` is the standard uncertainty of what the last model predicts, for parameters that the
-    record leaves open, and `mostly` those of which a single one makes most of that.
+    record leaves open, and `unforeseen` what is left of `after` beyond it; NaN where the record was
+    not met, or too few models were found that do. `mostly` are those of which a single one makes
+    most of that, with the value that leaves `unforeseen`, NaN if there is none.
     """
 
     unit: str
@@ -135,7 +138,8 @@ class ChannelError:
     after: float
     noise: float
     left_open: float = float('nan')
-    mostly: tuple[str, ...] = ()
+    unforeseen: float = float('nan')
+    mostly: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def met(self) -> bool:
@@ -144,9 +148,8 @@ class ChannelError:
 
     @property
     def foreseen(self) -> bool:
-        """Whether it leaves no more than noise and twice what was left open."""
-        return self.met or self.after <= np.hypot(
-            AS_GOOD_AS_MEASURED * self.noise, 2.0 * self.left_open)
+        """Whether it leaves no more than noise beyond what the record leaves open."""
+        return self.met or self.unforeseen <= AS_GOOD_AS_MEASURED * self.noise
 
 
 @dataclass(frozen=True)
@@ -155,11 +158,13 @@ class Alike:
     Models, with where they begin, that suit a record as well as the one that was found.
 
     `one_off` are, by the name of a parameter, that one with it off to either side, all others as
-    they are.
+    they are. `problem` and `fit` are those of that one.
     """
 
     models: tuple[tuple[PositionerParameters, Initial], ...]
     one_off: Mapping[str, tuple[tuple[PositionerParameters, Initial], ...]]
+    problem: Problem = field(repr=False)
+    fit: Fit = field(repr=False)
 
 
 def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
@@ -233,8 +238,11 @@ class Suspect:
     reason: str
 
 
-SHOWN = 0.8
-"""Width of an interval, relative to that of the tolerance, from which a record shows nothing."""
+HARDLY_TOLD = 0.8
+"""Width of an interval, relative to that of the tolerance, from which a record hardly tells it."""
+
+MOVED = 2.0
+"""Tolerances: what a record has moved so far it does tell."""
 
 
 @dataclass(frozen=True)
@@ -245,7 +253,8 @@ class Refitted:
     `spread` is the tolerance within which it was expected, None where nothing was known;
     `away_before` and `away_after` say by how many of them the refits moved it (of a stop, by how
     many in what it yields). `at_limit` says that the last one ended at the end of what a refit
-    allows; `low` and `high` are the 95 % interval of `after`, NaN where it was not fitted again.
+    allows; `low` and `high` are the 95 % interval of `after`, NaN there and where it was not fitted
+    again, and `width` that of the interval relative to the tolerance's.
     """
 
     name: str
@@ -259,11 +268,12 @@ class Refitted:
     at_limit: bool = False
     low: float = float('nan')
     high: float = float('nan')
+    width: float = float('nan')
 
     @property
-    def shown(self) -> bool:
-        """Whether the record tells it closer than it was expected before."""
-        return self.spread is None or not self.high - self.low > SHOWN * 2.0 * 1.96 * self.spread
+    def hardly_told(self) -> bool:
+        """Whether the record tells it hardly closer than it was expected before."""
+        return self.width > HARDLY_TOLD and abs(self.away_after) < MOVED
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,8 @@ def _unknown(term: UnknownTerm | None) -> dict[str, Any] | None:
 def _errors(errors: Mapping[str, ChannelError]) -> dict[str, Any]:
     return {
         name: {'unit': e.unit, 'declared': e.declared, 'before': e.before, 'after': e.after,
-               'noise': e.noise, 'left_open': e.left_open, 'mostly': list(e.mostly)}
+               'noise': e.noise, 'left_open': e.left_open,
+               'unforeseen': e.unforeseen, 'mostly': dict(e.mostly)}
         for name, e in errors.items()}
 
 

@@ -131,8 +131,8 @@ def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) ->
 def _left_open(one: Refitted, scale: Scale) -> str:
     """Return the interval of a declared parameter, and whether the record tells it at all."""
     if not math.isfinite(one.high - one.low):
-        return number_cell('–')
+        return number_cell('–', 'at its limit' if one.at_limit else '')
     digits = max(4, digits_apart(one.low, one.high))
     return number_cell(
         f'{number(one.low * scale.factor, digits)} to {scale.text(one.high, digits)}',
-        '' if one.shown else 'not told by this record')
+        'hardly told by this record' if one.hardly_told else '')

@@ -46,8 +46,11 @@ def verdict_title(diagnosis: Diagnosis) -> str:
     if change is not None and diagnosis.verdict == 'none':
         return f'Something changed at {_when(change)}'
     if diagnosis.verdict == 'none':
-        if meets_all(diagnosis) and nothing_unforeseen(scored(diagnosis.validation)):
+        if meets_all(diagnosis) and reaches_noise(scored(diagnosis.validation)):
             return 'The declared model, refitted, is enough for this record'
+        if reaches_noise(scored(diagnosis.error)) and nothing_unforeseen(
+                judged(diagnosis)) and nothing_unforeseen(scored(diagnosis.validation)):
+            return 'Nothing to add, but this record leaves a part of the model open'
         return 'Nothing to add'
     if change is not None and change.moved:
         return f'The valve changed at {_when(change)}'
@@ -141,23 +144,24 @@ def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:
     first = sentence_on_misses(diagnosis)
     if meets_all(diagnosis):
         return [first, 'No effect of the catalogue improves on that beyond chance.',
-                *sentences_on_left_open(judged(diagnosis), 'this record'),
                 *_hidden_in_noise(diagnosis)]
     if reaches_noise(judged(diagnosis)):
         left = listing(left_in(scored(diagnosis.error)))
         return [first, f'Of the data that were fitted it leaves {left}, but no effect of the '
                 'catalogue, and no smooth term, improves on that beyond chance: a record with more '
                 'movement may show what is missing.']
+    open_yet = sentences_on_left_open(diagnosis)
+    if reaches_noise(scored(diagnosis.error)) and nothing_unforeseen(judged(diagnosis)):
+        return [first, 'The data that were fitted are met to the noise.', *open_yet]
     if reaches_noise(scored(diagnosis.error)):
         return [
             first, 'That is more than noise, but the data that were fitted are met to the noise: '
             'what is missing shows in the unseen ones alone, which nothing may be fitted to. '
-            'Something changed on the way, or they go where the others did not.',
-            *sentences_on_left_open(judged(diagnosis), 'this record')]
+            'Something changed on the way, or they go where the others did not.', *open_yet]
     return [
         first, 'That is more than noise, but no effect of the catalogue, and no smooth term, '
         'improves on the data it was fitted to beyond chance: a record with more movement may '
-        'show what is missing.', *sentences_on_left_open(judged(diagnosis), 'this record')]
+        'show what is missing.']
 
 
 def _hidden_in_noise(diagnosis: Diagnosis) -> list[str]:

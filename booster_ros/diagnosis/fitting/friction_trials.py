@@ -57,7 +57,12 @@ class Trials:
     @property
     def as_good(self) -> Array:
         """Return z of those that leave no more than slips by chance do, shape (some, variables)."""
-        return self.z[self.cost <= np.quantile(self.cost[-TRIALS:], BY_CHANCE)]
+        return self.z[self.are_good]
+
+    @property
+    def are_good(self) -> Array:
+        """Return which these are, as a mask of shape (trials,)."""
+        return self.cost <= np.quantile(self.cost[-TRIALS:], BY_CHANCE)
 
     def ends(self, index: int) -> tuple[float, float] | None:
         """Return how far a variable goes either way in good trials, None if it was not varied."""
