@@ -28,7 +28,7 @@ def test_what_an_effect_leaves_above_the_noise_is_said_and_only_that():
 
 
 def with_open(diagnosis, part, left_open, beyond, channel=None, mostly=None):
-    """Return the diagnosis with so much, in noises, left open, and missed beyond that, in a part."""
+    """Return the diagnosis with so much, in noises, left open and missed beyond that in a part."""
     return replace(diagnosis, **{part: {
         name: replace(error, left_open=left_open * error.noise,
                       unforeseen=beyond * error.noise, mostly=mostly or {})
