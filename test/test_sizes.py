@@ -370,9 +370,18 @@ def test_beside_what_loosens_it_a_parameter_has_its_own_limit():
     bent = EFFECTS['ep_nonlinearity']
     looser = loosened(free, bent)
     for share, wide, limit in ((1.1, free, True), (1.1, looser, False), (1.3, looser, True)):
-        after = put(P, 'ep_converter.gain', share * P.ep_converter.gain)
-        start = Fit((wide,), np.zeros(1), P, Initial(0.0), 0.0, np.zeros((1, 1)))
-        search = SimpleNamespace(freedoms=(free,), declared=P)
-        (found,) = _refitted(start, replace(start, parameters=after), search)
+        gain = share * P.ep_converter.gain
+        start = Fit((wide,), np.zeros(1), P, Initial(0.0), 0.0, np.ones((1, 1)))
+        after = replace(start, z=np.array([wide.variable(gain)]),
+                        parameters=put(P, 'ep_converter.gain', gain))
+        problem = SimpleNamespace(freedoms=(wide,))
+        draws = after.z + 0.5 * wide.sigma * np.random.default_rng(1).standard_normal((400, 1))
+        (found,) = _refitted(start, LastFit(problem, after, draws),
+                             SimpleNamespace(freedoms=(free,), declared=P))
         assert found.at_limit is limit
         assert found.spread == pytest.approx(wide.spread)
+        if limit:  # its value is no measurement
+            assert np.isnan([found.low, found.high, found.width]).all()
+        else:
+            assert found.width == pytest.approx(0.5, rel=0.1)
+            assert found.high - found.low == pytest.approx(0.5 * 2.0 * 1.96 * wide.spread, rel=0.1)
