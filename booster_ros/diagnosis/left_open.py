@@ -34,7 +34,7 @@ from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.diagnosis.last_fit import LastFit
 from booster_ros.diagnosis.result import Alike, ChannelError
 from booster_ros.model.actuator import has_dry_friction
-from booster_ros.model.parameters import ParameterError, check_consistent
+from booster_ros.model.parameters import is_consistent
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -176,7 +176,6 @@ def _suiting(problem: Problem, last: LastFit, draws: Array) -> list[Array]:
     shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape and j not in varied]
     drawn = np.clip(draws[::max(len(draws) // MOST_DRAWN, 1)][:MOST_DRAWN], *problem.bounds())
     drawn[:, shapes] = fit.z[shapes]
-    drawn = drawn[[_consistent(problem.parameters(z)) for z in drawn]]
     cost = _cost(problem, fit)
     least = cost(fit.z) if last.trials is None else float(
         np.max(last.trials.cost[last.trials.are_good]))
@@ -209,18 +208,11 @@ def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, t
             continue
         ends = np.tile(fit.z, (2, 1))
         ends[:, j] = np.clip(middle[j] + spread[j] * np.array([-1.0, 1.0]), low[j], high[j])
-        if all(_consistent(problem.parameters(z)) for z in ends):
-            yield label(free), tuple(_model(problem, z) for z in ends)
+        both = tuple(_model(problem, z) for z in ends)
+        if all(is_consistent(p) for p, _ in both):
+            yield label(free), both
 
 
 def _model(problem: Problem, z: Array) -> Model:
     p = problem.parameters(z)
     return p, problem.initial(z, p)
-
-
-def _consistent(parameters: PositionerParameters) -> bool:
-    try:
-        check_consistent(parameters)
-    except ParameterError:
-        return False
-    return True

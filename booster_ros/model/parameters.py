@@ -190,3 +190,12 @@ def check_consistent(p: PositionerParameters) -> None:
     for rule in rules:
         if not rule.holds:
             raise ParameterError(rule.sentence)
+
+
+def is_consistent(p: PositionerParameters) -> bool:
+    """Tell whether no parameters, each fine by itself, contradict each other."""
+    try:
+        check_consistent(p)
+    except ParameterError:
+        return False
+    return True

@@ -66,9 +66,13 @@ def unseen(diagnosis: Diagnosis) -> str:
 
 def left_in(errors: Mapping[str, ChannelError], compared: bool = False) -> list[str]:
     """Return how much is left in each channel in which that is more than noise."""
-    return [f'{number(e.after / e.noise, 2)} times the noise in {channel_label(name)}'
+    return [_in_noises(name, e, e.after)
             + (f' ({number(e.before / e.noise, 2)} without it)' if compared else '')
             for name, e in errors.items() if not e.met]
+
+
+def _in_noises(name: str, error: ChannelError, value: float) -> str:
+    return f'{number(value / error.noise, 2)} times the noise in {channel_label(name)}'
 
 
 def sentence_on_misses(diagnosis: Diagnosis) -> str:
@@ -134,16 +138,15 @@ def _of_what_is_open(errors: Mapping[str, ChannelError], diagnosis: Diagnosis, t
               if not error.foreseen and error.left_open > error.noise}
     said = []
     if all_of_it:
-        why = f'models that meet {told_by} as well differ from this one there by ' \
-            f'{_left_open(all_of_it)}' if has_dry_friction(diagnosis.after.actuator) else (
-                f'a model that meets {told_by} as well, within the assumed tolerances, leaves '
-                f'{_beyond(all_of_it)} there{_with_values(all_of_it, diagnosis)}')
+        slips = has_dry_friction(diagnosis.after.actuator)
+        why = _models_apart(all_of_it, told_by) if slips else (
+            f'a model that meets {told_by} as well, within the assumed tolerances, leaves '
+            f'{_beyond(all_of_it)} there{_with_values(all_of_it, diagnosis)}')
         said.append(f'What is left in {channel_listing(all_of_it)} need be no sign of anything '
                     f'missing: {why}.')
     if a_part:
         said.append(f'Of what is left in {channel_listing(a_part)} a part may come of parameters '
-                    f'that are hardly told: models that meet {told_by} as well differ from this '
-                    f'one there by {_left_open(a_part)}.')
+                    f'that are hardly told: {_models_apart(a_part, told_by)}.')
     by_one = _mostly(missed)
     if said and by_one:
         said.append(f'A record that tells {by_one}, or a closer value from elsewhere, would settle '
@@ -151,16 +154,15 @@ def _of_what_is_open(errors: Mapping[str, ChannelError], diagnosis: Diagnosis, t
     return said
 
 
-def _left_open(errors: Mapping[str, ChannelError]) -> str:
-    apart = listing([f'{number(e.left_open / e.noise, 2)} times the noise in {channel_label(name)}'
-                     for name, e in errors.items()])
+def _models_apart(errors: Mapping[str, ChannelError], told_by: str) -> str:
+    apart = listing([_in_noises(name, e, e.left_open) for name, e in errors.items()])
     by_one = _mostly(errors)
-    return f'{apart}, most of it by {by_one}' if by_one else apart
+    return (f'models that meet {told_by} as well differ from this one there by {apart}'
+            + (f', most of it by {by_one}' if by_one else ''))
 
 
 def _beyond(errors: Mapping[str, ChannelError]) -> str:
-    return listing([f'{number(e.unforeseen / e.noise, 2)} times the noise in {channel_label(name)}'
-                    for name, e in errors.items()])
+    return listing([_in_noises(name, e, e.unforeseen) for name, e in errors.items()])
 
 
 def _with_values(errors: Mapping[str, ChannelError], diagnosis: Diagnosis) -> str:

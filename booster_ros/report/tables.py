@@ -124,11 +124,11 @@ def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) ->
             away = round(getattr(one, f'away_{stage}'), 1) + 0.0  # no minus zero
             small = 'free' if one.spread is None else f'{away:+.1f} σ'.replace('-', '−')
             cells.append(number_cell(scale.text(getattr(one, stage), 4), small))
-        rows.append(row([*cells, _left_open(one, scale)]))
+        rows.append(row([*cells, _interval_cell(one, scale)]))
     return table(['declared parameter', 'as given', *stages.values(), '95 % interval'], rows)
 
 
-def _left_open(one: Refitted, scale: Scale) -> str:
+def _interval_cell(one: Refitted, scale: Scale) -> str:
     """Return the interval of a declared parameter, and whether the record tells it at all."""
     if not math.isfinite(one.high - one.low):
         return number_cell('–', 'at its limit' if one.at_limit else '')

@@ -25,7 +25,7 @@ from booster_ros.diagnosis.fitting.slips import Windows
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
-from booster_ros.model.parameters import ParameterError, check_consistent
+from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.stream import DEFAULT_TOLERANCE
 from booster_ros.model.system import PositionerParameters
@@ -121,11 +121,7 @@ class Problem:
     def predict(self, z: Array) -> dict[str, Array] | None:
         """Return the model's channels at z, None where it cannot run."""
         p = self.parameters(z)
-        try:
-            check_consistent(p)
-        except ParameterError:
-            return None
-        return self.experiment.predict(p, self.initial(z, p))
+        return self.experiment.predict(p, self.initial(z, p)) if is_consistent(p) else None
 
     def residuals(self, z: Array) -> Array:
         """Return the scaled residuals of all marked rows, priors behind them."""
