@@ -15,7 +15,13 @@ import threading
 from types import TracebackType
 from typing import IO
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent
+
+HANGUP = pytest.param(signal.SIGHUP, marks=pytest.mark.skipif(
+    signal.getsignal(signal.SIGHUP) == signal.SIG_IGN, reason='ignored by whoever runs the tests'))
+"""The signal of a terminal that closes, for tests of what ends a program."""
 
 
 def program(name: str, *arguments: str) -> list[str]:

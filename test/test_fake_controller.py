@@ -17,7 +17,7 @@ from positioner_process import with_parameters
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros_client import RosClient
-from ros_process import RosProcess, program
+from ros_process import HANGUP, RosProcess, program
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 
@@ -227,7 +227,7 @@ def test_the_position_loop_moves_the_stem_to_the_set_point(tmp_path, positioner)
     replayed(record)
 
 
-@pytest.mark.parametrize('first', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('first', [signal.SIGINT, signal.SIGTERM, HANGUP])
 def test_an_interrupted_recording_is_complete_and_said_to_be_partial(tmp_path, positioner, first):
     csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
     # filling: what is left in a chamber that vents may be so little that it is read as kPa

@@ -7,9 +7,10 @@ import time
 
 from positioner_process import start
 import pytest
+from ros_process import HANGUP, RosProcess, program
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, HANGUP])
 @pytest.mark.parametrize('gap', [0.0, 1e-3, 3e-3, 1e-2])
 def test_a_signal_that_comes_three_times_ends_it_with_status_0(number, gap):
     with start('-p', 'publish_rate:=1000.0') as node:
@@ -19,3 +20,12 @@ def test_a_signal_that_comes_three_times_ends_it_with_status_0(number, gap):
         assert node.wait() == 0
         assert 'Traceback' not in node.output
         assert 'Exception' not in node.output
+
+
+def test_under_nohup_it_outlives_its_terminal():
+    with RosProcess(['nohup', *program('positioner')]) as node:
+        node.wait_for('ticks per second')
+        node.send(signal.SIGHUP)
+        with pytest.raises(AssertionError, match='still running'):
+            node.wait(1.0)
+        assert node.interrupt() == 0

@@ -4,9 +4,11 @@
 
 import argparse
 from collections.abc import Callable, Sequence
+import os
 import re
 import signal
 import sys
+import threading
 from types import FrameType
 
 import rclpy
@@ -30,15 +32,17 @@ def run(
     example: str = '--ros-args -p NAME:=VALUE',
 ) -> int:
     """
-    Spin the node that `make_node` returns until SIGINT, SIGTERM or shutdown; return the status.
+    Spin the node that `make_node` returns until it is told to end; return the status.
 
-    Bad arguments and parameters (ParameterError of `make_node`) end with one sentence on stderr
-    and status 2. `name`, `description` and `example` (arguments, and where to read on) are for
-    `--help`, `arguments` is the command line without the program's name.
+    SIGINT, SIGTERM, SIGHUP and a shutdown tell it. Bad arguments and parameters (ParameterError of
+    `make_node`) end with one sentence on stderr and status 2. `name`, `description` and `example`
+    (arguments, and where to read on) are for `--help`, `arguments` is the command line without the
+    program's name.
     """
     startup = _Startup()
     for number in _END_SIGNALS:
         signal.signal(number, startup.interrupt)
+    _pass_hangups_on()
     try:
         for path in files_on(arguments):
             read_sections(path)  # what rcl says of a bad file is no sentence
@@ -92,9 +96,31 @@ class _Startup:
             sys.exit(DONE)
 
 
+def _pass_hangups_on() -> None:
+    """
+    Let SIGHUP, which a terminal sends as it closes, do from now on what SIGTERM does.
+
+    rclpy has no handler for it, and one of Python's would not run before the spinning wakes: a
+    thread is woken in its place. Where it is ignored, as under nohup, it stays so.
+    """
+    if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:
+        return
+    come, comes = os.pipe()
+    os.set_blocking(comes, False)
+    signal.set_wakeup_fd(comes)  # every signal that has a handler in Python writes its number there
+    signal.signal(signal.SIGHUP, lambda number, frame: None)
+
+    def wait() -> None:
+        while True:
+            if signal.SIGHUP in os.read(come, 64):
+                os.kill(os.getpid(), signal.SIGTERM)
+
+    threading.Thread(target=wait, name='hangups', daemon=True).start()
+
+
 def _ignore_signals() -> None:
     """Let further signals do nothing; unlike a handler of Python's, that holds to the very end."""
-    for number in _END_SIGNALS:
+    for number in (*_END_SIGNALS, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
 
 
