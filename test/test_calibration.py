@@ -250,3 +250,8 @@ def test_bad_numbers_are_refused(option, text, capsys):
         main(['--record', 'r', '--params', 'p', '--out', 'o', option, text])
     assert stopped.value.code == 2
     assert repr(text) in capsys.readouterr().err
+
+
+def test_a_seed_for_no_calibration_is_refused(tmp_path, capsys):
+    assert main(['--record', 'r', '--params', 'p', '--out', str(tmp_path), '--seed', '0']) == 2
+    assert capsys.readouterr().err == 'close_loop: --seed is for --calibrate, which was not given\n'

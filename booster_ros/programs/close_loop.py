@@ -38,6 +38,8 @@ from .progress_bar import ProgressBar
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
 
+SEED = 1
+
 
 def main(args: Sequence[str] | None = None) -> int:
     """Diagnose a record and write the report; return the exit status."""
@@ -63,7 +65,7 @@ def main(args: Sequence[str] | None = None) -> int:
 
 def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
     _check_paths(options)
-    _check_bag_options(options)
+    _check_options(options)
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
     (record, experiment, notes), *others = _experiments(options, declared)
@@ -80,7 +82,9 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
                 diagnosis = validated(diagnosis, other, more)
         if options.calibrate:
             with _progress(check) as tell:
-                diagnosis = calibrated(diagnosis, options.calibrate, options.seed, tell)
+                diagnosis = calibrated(
+                    diagnosis, options.calibrate,
+                    SEED if options.seed is None else options.seed, tell)
         _write(folder, diagnosis, Provenance(*map(
             _legible, (options.record, options.params, options.validation or ''))), given.node)
         check()
@@ -115,8 +119,8 @@ def _parser() -> argparse.ArgumentParser:
     add('--calibrate', type=_count, metavar='N',
         help='also count how often something is added to N simulated records in which nothing is '
         'missing; each takes as long as a diagnosis')
-    add('--seed', type=_seed, default=1, metavar='S',
-        help='of the noise in those records (default: %(default)s)')
+    add('--seed', type=_seed, metavar='S',
+        help=f'of the noise in those records (default: {SEED})')
     return parser
 
 
@@ -228,8 +232,10 @@ def _check_paths(options: argparse.Namespace) -> None:
             f'{options.validation}: is the record itself; --validation takes another one')
 
 
-def _check_bag_options(options: argparse.Namespace) -> None:
-    """Raise RecordError where what is asked of a bag would be asked of nothing."""
+def _check_options(options: argparse.Namespace) -> None:
+    """Raise RecordError where what is asked of a bag, or of a calibration, is asked of nothing."""
+    if options.seed is not None and not options.calibrate:
+        raise RecordError('--seed is for --calibrate, which was not given')
     asked = {'--topics': options.topics, '--stamps header': options.stamps == 'header'}
     for option, wanted in asked.items():
         if wanted and not any(map(is_bag, _given(options))):
