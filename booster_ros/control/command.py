@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What current to send: the profile itself, or what holds the stem at the profile."""
+"""What current to send: the profile itself, or what makes the stem follow the profile."""
 
 from typing import Protocol
 
@@ -50,7 +50,7 @@ class PositionLoop:
 
 
 def make_command(settings: ControllerSettings, profile: Profile) -> Command:
-    """Return what the settings ask for."""
+    """Return the command that the settings ask for."""
     if settings.mode != POSITION:
         return OpenLoop(profile)
     low, high = settings.loop_current_limits

@@ -54,7 +54,7 @@ def _between(low: float, high: float, share: float) -> float:
 
 
 def triangle(low: float, high: float, period: float, cycles: int) -> Profile:
-    """Ramp from low to high and back within `period` s, so many times."""
+    """Ramp from low to high and back within `period` s, `cycles` times."""
     def value(time: float) -> float:
         phase = time / period % 1.0
         return _between(low, high, 1.0 - abs(1.0 - 2.0 * phase))

@@ -12,10 +12,10 @@ from booster_ros.model.parameters import ParameterError
 from booster_ros.records import Record, RecordError, read_record
 
 PLAUSIBLE_CURRENT = 0.1
-"""A; a larger one is meant in mA."""
+"""Largest plausible current, A; a larger one is meant in mA."""
 
 PLAUSIBLE_TRAVEL = 0.5
-"""m; a larger one is meant in mm or %."""
+"""Largest plausible position, m; a larger one is meant in mm or %."""
 
 
 def select_profile(settings: ControllerSettings) -> Profile:

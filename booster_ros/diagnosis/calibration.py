@@ -3,8 +3,9 @@
 """
 How often the whole procedure adds something to a model that lacks nothing.
 
-The declared model, refitted to the record, plays the valve: the same times and drives, noise of
-the level, colour and resolution of the record. Every repeat goes through the whole diagnosis.
+The declared model, refitted to the record, takes the place of the valve: it is simulated at the
+times and with the drives of the record, with noise of the same level, colour and resolution. Every
+such repeat goes through the whole diagnosis.
 """
 
 from collections import Counter
@@ -36,7 +37,7 @@ def calibrated(
     Return the diagnosis with its false-add rate, counted over `runs` simulated records.
 
     `judge` is the procedure that is checked; `progress` is called with a phrase and the share
-    done. ValueError where there is no run.
+    done. ValueError where `runs` is less than 1.
     """
     if runs < 1:
         raise ValueError(f'a calibration needs at least one run, got {runs}')
@@ -56,7 +57,7 @@ def calibrated(
 
 
 def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
-    """Yield experiments in which the refitted declared model has played the valve."""
+    """Yield experiments in which the refitted declared model takes the place of the valve."""
     experiment, model = diagnosis.experiment, diagnosis.before
     drives = [experiment.current, *experiment.pinned.values()]
     rests = [] if experiment.quasi_static else rests_of(experiment.time, drives)
@@ -67,10 +68,10 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
         rng = np.random.default_rng([seed, run])
         truth, driven = dict(diagnosis.runs['before']), experiment
         if experiment.drive_noise:
-            # what was read drives the model; what drove the valve is that less its noise
+            # the readings drive the model; what drove the valve is the readings less their noise
             driven = driven.shaken(experiment.drive_noise, rng)
         if late:
-            # the valve took each command somewhere before the next row
+            # the valve took each command at some moment before the next row
             driven = with_late_commands(driven, AS_OFTEN, rng)
         if still:
             moved = driven.predict(model)
@@ -78,7 +79,7 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
         made = _with_measured(experiment, {
             name: np.where(np.isfinite(measured), noise[name].added_to(truth[name], rng), np.nan)
             for name, measured in experiment.measured.items()})
-        # the level is taken from each record anew, as it was from this one
+        # the noise level is estimated anew from each repeat, as it was from the record itself
         yield replace(made, noise={
             name: level * noise_of(made.measured[name], rests).level / noise[name].level
             if noise[name].level > 0.0 else level for name, level in experiment.noise.items()})

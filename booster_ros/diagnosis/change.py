@@ -3,16 +3,17 @@
 """
 A valve that changed while it was recorded: a fitting that comes loose, a sensor that is knocked.
 
-All else here takes a record to be of one valve. Where it is of two, what is found is a compromise
-between them, and is left by much. So where a diagnosis leaves much:
+All else here takes a record to be of one valve. Where the valve changed, the model that is found
+is a compromise between the valve before and the valve after, and leaves much. So where a diagnosis
+leaves much:
 
-1. refit the declared model to the record's beginning; it has to meet that to the noise;
-2. lengthen that part, segment by segment, as far as the refit still does (by bisection);
-3. run that model on: the valve changed where it begins to miss;
-4. diagnose the record from there on, if that is enough of it, as a record of its own;
-5. where nothing is missing in it a declared parameter has changed: one that alone, the others as
-   they were before, explains what came after; where a channel says nothing of the valve any more,
-   its sensor has.
+1. refit the declared model to the beginning of the record, which it has to meet to the noise;
+2. lengthen this beginning, segment by segment, as far as the refit still meets it (by bisection);
+3. run the model refitted to it over the rest: the valve changed where this model begins to miss;
+4. if enough of the record is left from there on, diagnose that rest as a record of its own;
+5. where nothing is missing in the rest, a declared parameter has changed: one that alone, with the
+   others as they were before, explains what came after. Where a channel no longer says anything of
+   the valve, its sensor has changed.
 
 An effect that the record excites for the first time looks the same, and is found the same way.
 """
@@ -39,25 +40,27 @@ from booster_ros.records import Record, RecordError
 Array = np.ndarray
 
 MUCH = 4.0
-"""Mean square that a diagnosis has to leave, in that of noise; of the used rows, to be cut."""
+"""Mean square, in multiples of the noise's, that a diagnosis has to leave before a change is
+looked for; for the record to be cut, so much has to be left of the used rows."""
 
 BEGINNING = 0.25
-"""Share of the record that the declared model has to meet, at the least: a refit to less may
-imitate what has been missing from the start."""
+"""Smallest share of the record, from its beginning, that the declared model has to meet: a refit
+to less may imitate what has been missing from the start."""
 
 ENOUGH_LEFT = 0.25
-"""Share of the record that has to be left for a diagnosis of its own."""
+"""Smallest share of the record that has to be left after a change for a diagnosis of its own."""
 
 WORTH_CUTTING = 0.5
-"""What the diagnosis of the rest may leave, relative to that of the whole, in mean squares."""
+"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
 
 WINDOW = 25
-"""Rows whose mean square says that the model misses."""
+"""Number of successive rows whose mean square says whether the model misses."""
 
 ALIKE = 2.0
 """
-Mean square that another parameter may leave, relative to the best one, and be the one that changed:
-all others are known only as well as what was before says.
+Mean square that another parameter leaves, relative to the best one, below which it may as well be
+the one that changed: the parameters held meanwhile are known only as well as the rows before the
+change tell.
 """
 
 
@@ -65,10 +68,10 @@ def since_change(
     diagnosis: Diagnosis, record: Record, progress: Progress | None = None
 ) -> Diagnosis:
     """
-    Return the diagnosis of the record from where the valve changed, as it is if it did not.
+    Return the diagnosis of the record from where the valve changed, the given one if it did not.
 
-    Where too little of the record is left from there on, the same diagnosis that says when. Whether
-    to cut is not asked of the locked part.
+    Where the record is not cut there, as too little of it is left, say, return the given diagnosis
+    with the time of the change. The locked part does not decide whether to cut.
     """
     left = _left(diagnosis.error)
     if diagnosis.experiment.quasi_static or not (
@@ -81,7 +84,7 @@ def since_change(
         return diagnosis
     change, before = found
     later = _later(record, change, diagnosis.declared, tell) if left > MUCH else None
-    # the declared model, fitted to the rows that are missed as well, has not met them
+    # the declared model has not met the missed rows even where it was refitted to them as well
     diagnosis = replace(diagnosis, held_out={
         name: replace(error, left_open=np.nan, unforeseen=np.nan, mostly={})
         for name, error in diagnosis.held_out.items()})
@@ -104,38 +107,38 @@ def since_change(
 
 
 def _left(errors: Mapping[str, ChannelError]) -> float:
-    """Return the mean square that the last model leaves, in that of the noise, NaN of nothing."""
+    """Return the mean square that the last model leaves, in the noise's; NaN of no channel."""
     squares = [(one.after / one.noise)**2 for one in errors.values() if np.isfinite(one.after)]
     return float(np.mean(squares)) if squares else np.nan
 
 
 def _silenced(later: Diagnosis, change: Change) -> Diagnosis:
-    """Return the diagnosis of a record in which a channel says nothing of the valve any more."""
-    place = 'sensor' if _meets(later) else 'stem'  # a stem that is stuck moves the pressure as well
+    """Return the diagnosis of a record in which a channel no longer says anything of the valve."""
+    place = 'sensor' if _meets(later) else 'stem'  # a stuck stem shows in the pressure as well
     return _unknown(replace(later, change=replace(change, cut=True)), place)
 
 
 def _unknown(later: Diagnosis, place: str, others: tuple[str, ...] = ()) -> Diagnosis:
-    """Return the diagnosis with something that no effect of the catalogue is, in this place."""
+    """Return the diagnosis with something in this place that is no effect of the catalogue."""
     return replace(later, verdict='unknown', effects=(
         FoundEffect('unknown', place, {}, others, '', {}),))
 
 
 def _meets(diagnosis: Diagnosis) -> bool:
-    """Tell whether the last model meets all that could be compared, the locked part as well."""
+    """Tell whether the last model meets all that could be compared, the locked part included."""
     return all(one.met for one in (*diagnosis.error.values(), *diagnosis.held_out.values())
                if np.isfinite(one.after))
 
 
 def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
-    """Return when the valve changed, and the declared model's fit to what was before."""
+    """Return when the valve changed, and the fit of the declared model to what came before."""
     experiment = diagnosis.experiment
     met = _longest_met(diagnosis)
     if met is None:
         return None
     end, fit = met
     squares = _squares(experiment, fit)
-    row = _first_missed(squares, max(end - WINDOW, 0))  # it may lie in the last rows that were met
+    row = _first_missed(squares, max(end - WINDOW, 0))  # a change may lie in the last rows met
     if row is None:
         return None
     return Change(
@@ -145,10 +148,10 @@ def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
 
 def _first_missed(squares: Array, begin: int) -> int | None:
     """
-    Return the row from which a model misses, looked for from `begin` on, None if nowhere.
+    Return the row from which on a model misses, sought from row `begin` on; None if there is none.
 
-    A window of rows says that it does, a cumulative sum since when (E. S. Page, Biometrika 41
-    (1954) 100).
+    The mean over a window of rows tells whether it misses, a cumulative sum from which row on
+    (E. S. Page, Biometrika 41 (1954) 100).
     """
     known = begin + np.flatnonzero(np.isfinite(squares[begin:]))
     if len(known) < WINDOW:
@@ -162,7 +165,7 @@ def _first_missed(squares: Array, begin: int) -> int | None:
 
 
 def _squares(experiment: Experiment, fit: Fit) -> Array:
-    """Return for each row what the fitted model misses it by: mean square, in that of the noise."""
+    """Return the mean square by which the model misses each row, in multiples of the noise's."""
     predicted = experiment.predict(fit.parameters, fit.initial)
     scaled = np.array([(measured - predicted[name]) / experiment.noise[name]
                        for name, measured in experiment.measured.items()])
@@ -172,7 +175,7 @@ def _squares(experiment: Experiment, fit: Fit) -> Array:
 
 
 def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
-    """Return to which row the declared model meets the beginning to the noise, and its fit."""
+    """Return up to which row the declared model, refitted, meets the noise, and that fit."""
     experiment, declared = diagnosis.experiment, diagnosis.declared
     least = BEGINNING * len(experiment.time)
     ends = {used: [segment.last for segment in diagnosis.segments if segment.last >= least
@@ -191,14 +194,14 @@ def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     if fit is None:
         return None
     met = _lengthened(met_up_to, (first, fit), further)
-    if ends[True] and met[0] == ends[True][-1]:  # only then the change is in the locked part
+    if ends[True] and met[0] == ends[True][-1]:  # only then can the change be in the locked part
         met = _lengthened(met_up_to, met, ends[False])
     return met
 
 
 def _lengthened(met_up_to: Callable[[int, Fit], Fit | None], met: tuple[int, Fit], ends: list[int]
                 ) -> tuple[int, Fit]:
-    """Return the last of these rows, which rise, up to which the refit still meets the noise."""
+    """Return the last of the rising `ends` up to which the refit meets the record, and its fit."""
     low, high = 0, len(ends)
     while low < high:
         middle = (low + high) // 2
@@ -212,7 +215,7 @@ def _lengthened(met_up_to: Callable[[int, Fit], Fit | None], met: tuple[int, Fit
 
 def _later(record: Record, change: Change, declared: PositionerParameters, tell: Progress
            ) -> Diagnosis | None:
-    """Return the diagnosis of the record from the change on, None where that is too little."""
+    """Return the diagnosis of the record from the change on, None where too little is left."""
     rest = record.since(change.time)
     if len(rest) < ENOUGH_LEFT * len(record):
         return None
@@ -228,10 +231,10 @@ def _later(record: Record, change: Change, declared: PositionerParameters, tell:
 
 def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
     """
-    Return the declared parameters of which one alone explains what came after, best first.
+    Return the declared parameters of which one alone explains best what came after, best first.
 
-    The others stay as fitted to what was before. Where none does, the one that explains most; none
-    where what came after is met as well with all of them as they were.
+    All others stay as they were fitted to what came before. Return none where no parameter leaves
+    less than WORTH_CUTTING of what is left with all of them as they were.
     """
     thin, kept = thinned(later.experiment, THINNING)
     rows = rows_of(list(later.segments), USED, len(later.experiment.time))[kept]

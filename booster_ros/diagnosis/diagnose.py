@@ -41,11 +41,12 @@ from booster_ros.records import RecordError
 Array = np.ndarray
 
 BEST_NAMED = 'the best of the named, which explain less'
-"""What was chosen of the named, where a term without a name is reported."""
+"""Fate of the named effects that were chosen, where a term without a name is reported."""
 
 NEAR_LIMIT = 0.01
-"""A declared parameter this near the end of its range, relative to its way there, is at it: a fit
-in the inside of the range comes near its ends and does not touch them."""
+"""Distance of a declared parameter from an end of its range, relative to the way there from the
+given value, below which it is at that end: a fit comes near the ends of a range from the inside
+and does not touch them."""
 
 
 def diagnose(
@@ -56,7 +57,7 @@ def diagnose(
     Return what the model lacks, judged by this experiment.
 
     `progress` is called with a phrase and the share done. RecordError where the record is too
-    short, or holds too little to compare, for parts to fit, to select and to judge by.
+    short, or holds too few values to compare, to be cut into parts to fit, select and judge by.
     """
     tell = progress or (lambda phrase, share: None)
     drive = next(iter(experiment.pinned.values()), experiment.current) if np.ptp(
@@ -119,14 +120,15 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
     table = None
     if found.verdict == 'effect':
         effects = _found(tried, last)
-    elif found.refused is not None:  # what it was made for is there all the same
+    elif found.refused is not None:  # what the term was made for is there all the same
         effects = (_nameless(found.refused.location, unnamed[:1]),)
     elif found.verdict == 'unknown':
         effects, table = _found_unknown(unnamed, after)
     last = last if len(last.draws) else replace(last, draws=draws_of(search, last))
     fitted = errors_of(experiment, found.runs, rows)
     refitted = _refitted(before, last, search)
-    # a record that is not met leaves open what is missing, and a term over time all else
+    # where the record is not met, what is missing would pass for left open; beside a term over
+    # time, which is fitted alone, all else is left open
     told = all(one.met for one in fitted.values() if np.isfinite(one.after))
     whole = len(last.fit.freedoms) >= len(search.freedoms)
     models = models_alike(last, last.draws) if told and whole else None
@@ -146,7 +148,7 @@ def _conclude(search: Search, tried: Tried, unnamed: list[Candidate], notes: tup
 
 def _suspects(tried: Tried, unnamed: list[Candidate], added: UnknownTerm | None,
               refused: Refused | None) -> tuple[Suspect, ...]:
-    """Return what was tried, terms without a name first, then by score, each with its fate."""
+    """Return the models tried with their fates: terms without a name first, others by score."""
     reasons = dict(tried.reasons)
     if added is not None:
         reasons = {effects: f'not told apart from {BEST_NAMED}' if reason == NOT_TOLD_APART
@@ -172,7 +174,7 @@ def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Ref
 
 
 def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
-    """Return a sentence for each declared parameter that ended where a refit has to end."""
+    """Return a sentence for each declared parameter that ended at a limit of the refit."""
     return tuple(
         f'{one.name} went from {one.given:.4g} to {one.after:.4g} {one.unit}, the end of what a '
         'refit allows: its value is no measurement, and the model may lack something else'
@@ -224,16 +226,17 @@ def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
 
 def _best_without(rest: tuple[str, ...], best: Candidate, tried: Tried) -> Candidate:
     """
-    Return the best with these effects at most, fitted to the same segments where there is one.
+    Return the best model with no effects beyond `rest`, of those that learnt as `best` did.
 
-    Held back or learnt: a score of segments that a model was fitted to is no measure of another's.
+    Where there is one: a score on segments that a model was fitted to (learnt) is no measure for
+    the score of a model from which they were held back.
     """
     return min((c for c in tried.all if set(c.effects) <= set(rest)),
                key=lambda c: (c.learnt != best.learnt, c.score))
 
 
 def _rivals(name: str, rest: tuple[str, ...], tried: Tried, best: Candidate) -> tuple[str, ...]:
-    """Return the effects that could stand in the place of this one for all this record says."""
+    """Return the effects that could take the place of this one for all that this record says."""
     rivals = []
     for candidate in tried.all:
         others = set(candidate.effects) - set(rest)
@@ -251,7 +254,7 @@ def _found_unknown(alike: list[Candidate], after: Fit
 
 
 def _nameless(place: str, alike: list[Candidate]) -> FoundEffect:
-    """Return what has no name in this place: terms that tell of it as well as one another."""
+    """Return a finding without a name in this place; terms `alike` tell of it equally well."""
     return FoundEffect(
         'unknown', place, {}, tuple(one.effects[0].removeprefix(UNNAMED) for one in alike[1:]),
         '', {'misfit_with': alike[0].misfit})
@@ -269,7 +272,7 @@ def _refitted(before: Fit, last: LastFit, search: Search) -> tuple[Refitted, ...
     for free in search.freedoms:
         name, element = free.knob.parameter, free.element
         j = places.get((name, element))
-        # beside an effect it may be looser; a term over time is fitted alone
+        # its prior may be looser beside an effect; a term over time is fitted alone
         looser = free if j is None else after.freedoms[j]
         z = looser.variable(get(after.parameters, name, element))
         at_limit = _at_limit(looser, z)

@@ -1,10 +1,11 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The models of a verdict fitted to all but the locked part, and what of them that part still shows.
+The models of a verdict fitted to all but the locked part, and what those rows still show of them.
 
-What was chosen on the select segments is fitted to them as well, and has to stand there: a term
-without a name has to explain what matters of all rows, an effect has to be told from none by them.
+What was chosen on the select segments is now fitted to these as well, and has to stand: a term
+without a name has to explain what matters of all rows fitted, and these rows have to tell an
+effect from none.
 """
 
 from dataclasses import dataclass, field, replace
@@ -38,7 +39,7 @@ class LastFit:
     A problem on all but the locked rows, its fit, and draws of z by a bootstrap of its segments.
 
     Draws have the shape (draws, variables); there are none where no effect is to be told from none.
-    `trials` are those around a stem that sticks and slips.
+    `trials` are the trials of friction around the fit of a stem that sticks and slips.
     """
 
     problem: Problem
@@ -52,7 +53,7 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
     """
     Return the verdict (none, effect, unknown), the models tried, and the fit that goes with it.
 
-    Of the models tried the chosen one is without the effects that did not stand.
+    The chosen one of the models tried is left without the effects that did not stand.
     """
     if unnamed and preferable(unnamed[0], tried):
         last = _term(search, unnamed[0], before)
@@ -71,7 +72,7 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
 
 
 def draws_of(search: Search, last: LastFit) -> Array:
-    """Return draws of z, shape (draws, variables), as the record leaves it open."""
+    """Return draws of z, shape (draws, variables), spread as far as the record leaves z open."""
     bootstrap = block_bootstrap_of_means if has_dry_friction(
         last.fit.parameters.actuator) else block_bootstrap
     draws = bootstrap(
@@ -81,25 +82,25 @@ def draws_of(search: Search, last: LastFit) -> Array:
 
 def last_fit(search: Search, candidate: Candidate) -> LastFit:
     """
-    Return the candidate fitted to all but the locked part, sizes that show nowhere left out.
+    Return the candidate fitted to all but the locked part, without sizes that show nowhere.
 
-    A stem that sticks is fitted through its slips, any other one to its very end.
+    A model whose stem sticks is fitted through slips, any other one to its very end.
     """
     problem = search.on(candidate.problem, USED, 1)
     if has_dry_friction(candidate.fit.parameters.actuator):
         return _through_slips(search, problem, candidate)
     fit = _without_slips(problem, candidate)
-    if not _unnamed(candidate):  # a term is fitted on with gentle ends, and has no intervals
+    if not _unnamed(candidate):  # a term is fitted again with gentle ends, and has no intervals
         fit = at_the_bottom(problem, fit)
     return LastFit(problem, problem.without_unseen(fit))
 
 
 def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
     """
-    Return the fit to its end; where it leaves more than noise, also from typical shapes.
+    Return the fit to its end; where it leaves more than noise, the better of it and a second one.
 
-    A table has no typical shape to begin with, and one over the stem's velocity can swing on the
-    way from nothing: minutes a fit.
+    The second one begins with typical shapes. A table has none to begin with, and one over the
+    stem's velocity can swing on the way from nothing, which takes minutes a fit.
     """
     if not candidate.effects or _unnamed(candidate):
         return problem.fit(candidate.fit.z, LAST_EVALUATIONS, SETTLED)
@@ -112,12 +113,12 @@ def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
 
 def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> LastFit:
     """
-    Return the fit; where it leaves more than noise, the best of it, some through slips, and trials.
+    Return the fit; where it leaves more than noise, the best of it, fits through slips and trials.
 
-    Those through slips begin with what is seen above the stem, then with the effects alone, the
-    declared parameters as given: these had imitated what no fit had found yet. The trials are
-    around the best. Which of all says most of the friction shows through slips: single ones are
-    chance.
+    The fits through slips begin with what is seen above the stem, then with the effects alone and
+    the declared parameters as given, as these had imitated what no fit had found yet. The trials
+    are around the best of these fits. The cost through slips decides which of all is best: when
+    single slips come is chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     enough = fit.cost < NEAR_NOISE * problem.rows_counted()
@@ -132,7 +133,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
 
 
 def _better(problem: Problem, fit: Fit, starts: list[Array]) -> Fit:
-    """Return the fit, or one through slips from a start that says more of the friction."""
+    """Return the fit or, if better through slips, the best fit through slips from these starts."""
     fits = [fit, *(problem.fit_through_slips(z, EVALUATIONS) for z in starts)]
     return min(fits, key=lambda found: problem.cost_through_slips(found.z))
 
@@ -151,11 +152,11 @@ def _term(search: Search, candidate: Candidate, before: LastFit) -> LastFit:
 
 def _without(tried: Tried, name: str, fault: str) -> Tried:
     """
-    Return the models tried with the best of those chosen that has the other effects at most.
+    Return the models tried with the best of those chosen that do without this effect.
 
-    And those that the one left out builds on: friction that does not differ along the travel is
-    friction all the same. More of them are taken only where the segments held back call for that,
-    as in the search.
+    It has the other effects at most, and those that the one left out builds on: friction that does
+    not differ along the travel is friction all the same. A model with more effects is chosen only
+    where the segments held back call for it, as in the search.
     """
     rest = (set(tried.chosen.effects) | within(name)) - {name}
     left = [one for one in tried.all if set(one.effects) <= rest and not one.fault]

@@ -1,22 +1,24 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a record leaves open of its model, and what predictions may be off by for that alone.
+What a record leaves open of its model, and by how much predictions may be off for that alone.
 
-A record tells parameters to their intervals. Data that ask for what it hardly shows, a largest area
-that none of its steps needed, are missed by as much as models within these differ by there, though
-nothing is missing in any of them. So, where the fitted rows are met,
+A record tells parameters only to their intervals. Data that depend on what it hardly shows, such
+as a largest area that none of its steps needed, are missed by as much as models within these
+intervals differ there, though none of these models lacks anything. So, where the fitted rows are
+met,
 
-1. draw parameters as the record leaves them open: as for their intervals, by a bootstrap of its
-   segments and of what was expected, of a stem that sticks and slips with trials that do as well.
-   Shapes of effects stay as they were found;
-2. leave out those with which the rows that were fitted are missed by clearly more: a straight line
-   along which one parameter makes up for another leads over bounds and past bends;
-3. run the others over the data. The root mean square of what they differ by from the model is the
-   standard uncertainty of what it predicts there;
-4. where more than noise is missed, seek the model that meets the fitted rows and these together. If
-   it still meets the fitted ones, what it leaves of the others is what no parameter is to blame
-   for. Of slips, which come when chance will have it, the size alone is compared.
+1. draw parameters as the record leaves them open, as for their intervals: by a bootstrap of its
+   segments and of what was expected; of a stem that sticks and slips, from trials that do as
+   well. Shapes of effects stay as they were found;
+2. leave out the draws that miss the fitted rows by clearly more: a straight line along which one
+   parameter makes up for another leads over bounds and past bends;
+3. run the other draws over the data. The root mean square of their differences from the model is
+   the standard uncertainty of what the model predicts there;
+4. where the data are missed by more than noise, seek the model that meets the fitted rows and the
+   data together. If it still meets the fitted rows, no parameter is to blame for what it leaves of
+   the data. Where the stem slips, which it does when chance will have it, only the size of what is
+   missed is compared with that of what is left open.
 
 (Propagation of distributions by a Monte Carlo method: JCGM 101:2008, 5 and 7.)
 """
@@ -41,31 +43,33 @@ Array = np.ndarray
 Model = tuple[PositionerParameters, Initial]
 
 MODELS = 32
-"""Models that are run: what is left open is told to 13 % then, two times of three."""
+"""Number of models that are run: they tell what is left open to 13 %, two times of three."""
 
 MOST_DRAWN = 100
 
 FEWEST = 12
-"""Models below which nothing is said."""
+"""Number of models below which nothing is said."""
 
 AS_WELL = 10.0
-"""Rise of the cost for each variable from which a draw misses clearly more: of intervals that are
-right it is one for each, some times that of coloured residuals."""
+"""Rise of the cost, for each variable, above which a draw misses clearly more. Where intervals are
+right it is one for each variable, and some times that where residuals are coloured."""
 
 WORTH_ASKING = 0.3
-"""Share of the noise from which it is asked what makes most of it: it then adds 4 % to an error."""
+"""What is left open, as a share of the noise, from which on the parameters that make most of it
+are sought: it then adds 4 % to an error."""
 
 MOST = 0.5
-"""Share of the square that one parameter makes by itself, from which most is of it."""
+"""Share of the square of what is left open that one parameter, by itself, has to exceed to make
+most of it."""
 
 SLIPS = 2.0
-"""Standard deviations of what is left open up to which slips are missed by chance."""
+"""Error, in standard deviations of what is left open, up to which slips are missed by chance."""
 
 EVALUATIONS = 12
 
 
 def models_alike(last: LastFit, draws: Array) -> Alike | None:
-    """Return models that suit the record as well as the last one; `draws` of z are for them."""
+    """Return models, out of `draws` of z, that suit the record as well as the last one does."""
     problem, fit = last.problem, last.fit
     found = _suiting(problem, last, draws)
     if len(found) < FEWEST:
@@ -81,7 +85,7 @@ def with_left_open(
     """
     Return the errors of a run of the model with what is left open in these rows.
 
-    All models begin where `start` says, each in its own start if it is None.
+    All models begin at `start`, or each at its own start if that is None.
     """
     if models is None:
         return dict(errors)
@@ -115,13 +119,13 @@ def with_left_open(
 
 
 def _together(runs: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Return the root of the mean over runs, NaN where one of them did not come to its end."""
+    """Return the root of the mean square over all runs, NaN where one did not come to its end."""
     return {name: float(np.sqrt(np.mean([one[name] for one in runs]))) for name in runs[0]}
 
 
 def _beyond_size(errors: Mapping[str, ChannelError], total: Mapping[str, float]
                  ) -> dict[str, float]:
-    """Return what is missed beyond some standard deviations of what is left open, and noise."""
+    """Return the error, noise included, beyond SLIPS standard deviations of what is left open."""
     found = {}
     for name, left in total.items():
         noise = min(errors[name].noise, errors[name].after)
@@ -133,14 +137,15 @@ def _beyond_size(errors: Mapping[str, ChannelError], total: Mapping[str, float]
 def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
                   ) -> tuple[dict[str, float], dict[str, float]]:
     """
-    Return what is missed by the model that is nearest to meeting the record and these rows as well.
+    Return the errors in these rows of the model that comes nearest to meeting them and the record.
 
-    And its parameters by name. Both are empty if the record speaks against it. Where it is the
-    `same` experiment the model begins as fitted.
+    And its parameters by name. Both are empty if this model misses the record by clearly more.
+    Where the rows are of the `same` experiment, their start is sought from the one that was
+    fitted.
     """
     first, fit = models.problem, models.fit
     shared, own = len(first.freedoms), len(fit.z)
-    # what was expected of the parameters counts once
+    # what was expected of the parameters counts once, in the first problem
     other = replace(first, experiment=experiment, rows=rows, freedoms=tuple(
         replace(free, sigma=np.inf) for free in first.freedoms))
     begin = np.append(fit.z, fit.z[shared:] if same else np.zeros(other.nuisances))
@@ -170,7 +175,7 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
 
 
 def _suiting(problem: Problem, last: LastFit, draws: Array) -> list[Array]:
-    """Return draws, shapes as they were found, that miss what was fitted by hardly more."""
+    """Return draws, with shapes as they were found, that miss the fitted rows by hardly more."""
     fit = last.fit
     varied = last.trials.varied if last.trials else ()
     shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape and j not in varied]
@@ -197,8 +202,8 @@ def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, t
     """
     Yield the model with a single parameter off to either side by as much as it is left open.
 
-    Only of those that may be off by so much alone: where others have to make up for it, what it
-    does by itself is no model of the record.
+    Only for parameters that may be off by so much alone: where others have to make up for one, the
+    model with that one alone off does not suit the record.
     """
     low, high = problem.bounds()
     middle, spread = models.mean(axis=0), models.std(axis=0)

@@ -1,16 +1,17 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The locked part, which nothing is chosen by: it is opened once, and what does not stand there falls.
+The locked part, by which nothing is chosen: it is opened once, and what does not stand falls.
 
-1. Named effects that left much where they were chosen and leave much there as well have explained
-   little, and give way to the best term without a name. Not where the stem sticks: the right
-   friction may miss single slips by more than none.
-2. A term without a name that makes the error larger there is refused.
-3. Named effects that it had been preferred to count if they do not leave much there.
+1. Named effects that left much where they were chosen and leave much in the locked part as well
+   have explained little, and give way to the best term without a name. Not where the stem sticks:
+   there the right friction may miss single slips by more than no friction does.
+2. A term without a name that makes the error of the locked part larger is refused.
+3. Named effects to which a refused term had been preferred count if they do not leave much there.
 
-Where much is left of what was fitted, something is missing, whatever stands: a term that the held
-back segments call for tells where that seems to be, though it explains too little of all.
+Where much is left of what was fitted, something is missing even if nothing stands: a term that the
+held-back segments call for tells where it seems to be, though that term explains too little of
+all.
 """
 
 from collections.abc import Mapping
@@ -32,7 +33,8 @@ from booster_ros.model.actuator import has_dry_friction
 Array = np.ndarray
 
 STANDS = 1.1
-"""Squared error of the locked part, relative to that without, up to which a term stands."""
+"""Squared error of the locked part, relative to that without a term, up to which the term
+stands."""
 
 DOES_NOT_STAND = 'does not stand: the locked part is missed by more with it'
 EXPLAINS_LITTLE = 'leaves much of what is missing, in the locked part as well'
@@ -44,8 +46,8 @@ class Opened:
     A verdict (none, effect, unknown) with its fit, and what the locked part says of it.
 
     `tried` are the models tried, the chosen one as far as it stands; `runs` are predictions by
-    stage, `errors` those of the locked part by channel. `decided` tells whether that part made the
-    verdict another one than the parts before it had.
+    stage, `errors` the errors of the locked part by channel. `decided` tells whether the verdict
+    would be another one without the locked part.
     """
 
     verdict: str
@@ -58,14 +60,14 @@ class Opened:
 
 
 def less_the_locked_part(experiment: Experiment, segments: list[Segment]) -> Experiment:
-    """Return the experiment without the values that nothing may be chosen by."""
+    """Return the experiment without the locked part's values, by which nothing may be chosen."""
     rows = rows_of(segments, USED, len(experiment.time))
     return replace(experiment, measured={
         name: np.where(rows, values, np.nan) for name, values in experiment.measured.items()})
 
 
 def opened(search: Search, tried: Tried, unnamed: list[Candidate], refit: LastFit) -> Opened:
-    """Return the verdict that stands in the locked part; terms without a name best first."""
+    """Return the verdict that stands in the locked part; `unnamed` are terms, the best first."""
     experiment = search.experiment
     locked = rows_of(search.segments, ('test',), len(experiment.time))
     first = {
@@ -96,7 +98,7 @@ def opened(search: Search, tried: Tried, unnamed: list[Candidate], refit: LastFi
 
 
 def stands(errors: Mapping[str, ChannelError]) -> bool:
-    """Tell whether data that were not fitted are missed by no more with what was added to them."""
+    """Tell whether what was added makes the error in data that were not fitted no larger."""
     before, after, noise = _squares(errors)
     return after <= STANDS * max(before, noise)
 
@@ -105,18 +107,18 @@ def leave_much(errors: Mapping[str, ChannelError]) -> bool:
     """Tell whether what was added leaves a good share of what is missing, and more than noise."""
     before, after, noise = _squares(errors)
     enough = max((FAITHFUL - 1.0) * noise, FORESEEN * (before - noise))
-    return not after - noise <= enough  # also where the model did not come to the end
+    return not after - noise <= enough  # true also where the model did not come to the end
 
 
 def _squares(errors: Mapping[str, ChannelError]) -> tuple[float, float, float]:
-    """Return sums of squares over the channels: before, after, and of noise; in that of noise."""
+    """Return sums of squares over channels, in multiples of the noise's: before, after, noise."""
     seen = [error for error in errors.values() if np.isfinite(error.before)]
     return (sum((error.before / error.noise)**2 for error in seen),
             sum((error.after / error.noise)**2 for error in seen), float(len(seen)))
 
 
 def _explain_little(found: Opened) -> bool:
-    """Tell whether named effects leave much where they were chosen and in the locked part."""
+    """Tell whether named effects leave much both where they were chosen and in the locked part."""
     if found.verdict != 'effect' or has_dry_friction(found.last.fit.parameters.actuator):
         return False
     return (found.tried.held_out.misfit > FAITHFUL and not leave_less(found.tried, FORESEEN)
@@ -129,7 +131,7 @@ def _misses_much(refit: LastFit) -> bool:
 
 
 def _none_of(tried: Tried) -> Tried:
-    """Return the models tried with nothing chosen, for what was has explained little."""
+    """Return the models tried with nothing chosen, as what was chosen has explained little."""
     return replace(tried, chosen=tried.refit, reasons={
         **tried.reasons, frozenset(tried.chosen.effects): EXPLAINS_LITTLE})
 

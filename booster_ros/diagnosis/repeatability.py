@@ -1,11 +1,11 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How well a model repeats itself: what is chance in a record, and no model of it can foretell.
+How well a model repeats itself: what is chance in a record, so that no model can foretell it.
 
 Steady sliding loses its stability where friction falls with velocity, and a stick-slip cycle grows
-from whatever disturbance there is, however small: when it starts, and so when each slip comes, is
-not in the parameters. (Stability of steady sliding: B. Armstrong-Hélouvry, P. Dupont,
+from whatever disturbance there is, however small: when the cycle starts, and so when each slip
+comes, is not in the parameters. (Stability of steady sliding: B. Armstrong-Hélouvry, P. Dupont,
 C. Canudas de Wit, Automatica 30 (1994) 1083.)
 """
 
@@ -24,22 +24,23 @@ DISTURBANCE = 1e-6
 converter or sensor resolves."""
 
 WORTH_SAYING = 0.3
-"""Share of the noise from which a difference is said: it then adds 4 % to the error."""
+"""Difference between two runs, as a share of the noise, from which on it is said: it then adds 4 %
+to the error."""
 
 
 def differences(experiment: Experiment, parameters: PositionerParameters, initial: Initial
                 ) -> dict[str, float]:
-    """Return by how much two runs differ whose drives hardly do: RMS of each channel, SI."""
+    """Return by how much two runs with nearly the same drives differ: RMS of each channel, SI."""
     rng = np.random.default_rng(1)
     runs = [_disturbed(experiment, rng).predict(parameters, initial) for _ in range(RUNS)]
-    # the mean square of the difference of two is twice the variance between all
+    # the mean square difference of two runs is twice the variance between all of them
     return {name: float(np.sqrt(2.0 * np.mean(np.var([run[name] for run in runs], axis=0, ddof=1))))
             for name in experiment.measured}
 
 
 def chance(experiment: Experiment, parameters: PositionerParameters, initial: Initial, part: str
            ) -> tuple[str, ...]:
-    """Return a sentence where a stem sticks and slips and that is not to be foretold."""
+    """Return a sentence where a stem sticks and slips at moments that cannot be foretold."""
     if not has_dry_friction(parameters.actuator):
         return ()
     apart = differences(experiment, parameters, initial)

@@ -33,7 +33,7 @@ class FoundEffect:
     """
     An effect that the model lacked; `location` is where it is born.
 
-    The experiment that separates it is the catalogue's, none where it has no name.
+    `separating_experiment` is the one in the catalogue, empty where the effect has no name.
     """
 
     name: str
@@ -45,7 +45,7 @@ class FoundEffect:
 
 
 def either(effect: FoundEffect) -> str:
-    """Return a sentence where each of several sizes may be none, but not all of them, else ''."""
+    """Return a sentence where each of several sizes may be none, but not all at once, else ''."""
     if effect.name not in EFFECTS:
         return ''
     sizes = [knob for knob in EFFECTS[effect.name].knobs
@@ -71,27 +71,27 @@ class UnknownTerm:
 
     @property
     def unit(self) -> str:
-        """Unit of what it adds there."""
+        """Unit of what it adds to that component."""
         return term.LOCATION_UNITS[self.table.location]
 
     @property
     def variable(self) -> str:
-        """What it depends on."""
+        """The variable that it depends on."""
         return term.VARIABLES[self.table.variable]
 
     @property
     def variable_unit(self) -> str:
-        """Unit of that."""
+        """Unit of the variable."""
         return term.VARIABLE_UNITS[self.table.variable]
 
     @property
     def memory(self) -> float | None:
-        """Time over which the variable is a change, s; None where it is none."""
+        """Time over which the variable is a change, s; None where the variable is no change."""
         return self.table.memory if term.forgets(self.table) else None
 
     @property
     def reach(self) -> float | None:
-        """Half the width of the play in which the variable is a place, N; None where in none."""
+        """Half the width of the play in which the variable is a place, N; None without a play."""
         return self.table.reach if term.has_play(self.table) else None
 
     @property
@@ -101,13 +101,13 @@ class UnknownTerm:
 
     @property
     def knots(self) -> Array:
-        """Values of the variable at which the table has its own, shape (term.KNOTS,)."""
+        """Values of the variable at which the table has values of its own, shape (term.KNOTS,)."""
         inner = np.linspace(*self.seen, term.KNOTS - 2)
         return np.r_[self.table.low, inner, self.table.high]
 
     @property
     def values(self) -> Array:
-        """What it adds there, shape (term.KNOTS,); with what is behind a play."""
+        """What the term adds at each knot, shape (term.KNOTS,), the part of a play included."""
         added = np.array(self.table.values)
         if self.reach is not None:
             added -= self.reach * np.clip(self.knots, -1.0, 1.0)
@@ -118,7 +118,7 @@ AS_GOOD_AS_MEASURED = 1.3
 """Ratio of error to noise up to which a model is called as good as the measurement."""
 
 WORTH_SAYING = 0.01
-"""Share of rows beyond what a model has been fitted to from which that is said."""
+"""Share of rows that go beyond what a model has been fitted to, from which on that is said."""
 
 
 @dataclass(frozen=True)
@@ -126,10 +126,11 @@ class ChannelError:
     """
     Root mean square errors of one channel: parameters as given, refitted, with the effect.
 
-    `left_open` is the standard uncertainty of what the last model predicts, for parameters that the
-    record leaves open, and `unforeseen` what is left of `after` beyond it; NaN where the record was
-    not met, or too few models were found that do. `mostly` are those of which a single one makes
-    most of that, with the value that leaves `unforeseen`, NaN if there is none.
+    `left_open` is the standard uncertainty of what the last model predicts that comes of
+    parameters left open by the record, and `unforeseen` is what is left of `after` beyond it. Both
+    are NaN where the record was not met, or too few models were found that meet it. `mostly` are
+    the parameters that make most of `left_open` by themselves, each with the value that leaves
+    `unforeseen`, NaN if there is none.
     """
 
     unit: str
@@ -148,17 +149,17 @@ class ChannelError:
 
     @property
     def foreseen(self) -> bool:
-        """Whether it leaves no more than noise beyond what the record leaves open."""
+        """Whether the last model leaves no more than noise beyond what the record leaves open."""
         return self.met or self.unforeseen <= AS_GOOD_AS_MEASURED * self.noise
 
 
 @dataclass(frozen=True)
 class Alike:
     """
-    Models, with where they begin, that suit a record as well as the one that was found.
+    Models, each with its start, that suit a record as well as the one that was found.
 
-    `one_off` are, by the name of a parameter, that one with it off to either side, all others as
-    they are. `problem` and `fit` are those of that one.
+    `one_off` are, by the name of a parameter, the model found with this parameter off to either
+    side and all others as they are. `problem` and `fit` are those of the model found.
     """
 
     models: tuple[tuple[PositionerParameters, Initial], ...]
@@ -169,7 +170,7 @@ class Alike:
 
 def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
               ) -> dict[str, ChannelError]:
-    """Return by channel what runs miss these rows by; runs by stage: declared, before, after."""
+    """Return by channel how far `runs`, by stage (declared, before, after), miss these rows."""
     errors = {}
     for name, measured in experiment.measured.items():
         declared, before, after = (
@@ -182,10 +183,10 @@ def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], r
 @dataclass(frozen=True)
 class Refused:
     """
-    A term without a name that did not stand: place and variable, errors held out with it.
+    A term without a name that did not stand: its place, its variable, the held-out errors with it.
 
-    `beyond` is the share of what was held out that goes beyond what it was seen in. `error` is None
-    where it explains too little of what it was fitted to.
+    `beyond` is the share of held-out rows that go beyond the range in which the term was seen.
+    `error` is None where the term explains too little of what it was fitted to.
     """
 
     location: str
@@ -199,7 +200,8 @@ class Moved:
     """
     A declared parameter before and after a change.
 
-    `left` is the mean square, in that of the noise, that this alone leaves of what came after.
+    `left` is the mean square, in multiples of the noise's, that the change of this one alone
+    leaves of what came after.
     """
 
     name: str
@@ -214,11 +216,11 @@ class Change:
     """
     When the valve changed, s in the record's clock.
 
-    `met` and `missed` are the mean squares, in that of the noise, that the declared model leaves
-    before and from then on, refitted to what was before. The diagnosis is of what came after where
-    the record was `cut` there. `moved` are the declared parameters, likeliest first, where a
-    change of one of them is all that does; `silent` the channels that stand still since then while
-    the model moves them.
+    `met` and `missed` are the mean squares, in multiples of the noise's, that the declared model,
+    refitted to what came before, leaves before and from then on. Where the record was `cut` there,
+    the diagnosis is of what came after. `moved` are declared parameters, likeliest first, of which
+    the change of one alone explains what came after; `silent` are the channels that stand still
+    from then on while the model moves them.
     """
 
     time: float
@@ -239,10 +241,11 @@ class Suspect:
 
 
 HARDLY_TOLD = 0.8
-"""Width of an interval, relative to that of the tolerance, from which a record hardly tells it."""
+"""Width of the interval of a parameter, relative to that of its tolerance, above which a record
+hardly tells the parameter."""
 
 MOVED = 2.0
-"""Tolerances: what a record has moved so far it does tell."""
+"""Number of tolerances: a record does tell a parameter that it has moved so far."""
 
 
 @dataclass(frozen=True)
@@ -250,11 +253,11 @@ class Refitted:
     """
     A declared parameter: as given, refitted without and with the effect.
 
-    `spread` is the tolerance within which it was expected, None where nothing was known;
-    `away_before` and `away_after` say by how many of them the refits moved it (of a stop, by how
-    many in what it yields). `at_limit` says that the last one ended at the end of what a refit
-    allows; `low` and `high` are the 95 % interval of `after`, NaN there and where it was not fitted
-    again, and `width` that of the interval relative to the tolerance's.
+    `spread` is the tolerance within which it was expected, None where nothing was known.
+    `away_before` and `away_after` say by how many tolerances the refits moved it (of a stop, in
+    what it yields). `at_limit` says that the last refit took it to the end of what a refit allows.
+    `low` and `high` are the 95 % interval of `after`, NaN at the limit and where it was not fitted
+    again; `width` is the width of this interval relative to the tolerance's.
     """
 
     name: str
@@ -272,7 +275,7 @@ class Refitted:
 
     @property
     def hardly_told(self) -> bool:
-        """Whether the record tells it hardly closer than it was expected before."""
+        """Whether the record tells it hardly closer than it was known before."""
         return self.width > HARDLY_TOLD and abs(self.away_after) < MOVED
 
 
@@ -281,8 +284,8 @@ class FalseAdd:
     """
     How often the procedure added something to simulated records of a model that lacks nothing.
 
-    `gained` of `runs` did; `low` and `high` are the 95 % interval of the rate (Clopper-Pearson);
-    `names` counts what was added.
+    Something was added to `gained` of `runs` records; `low` and `high` are the 95 % interval of
+    the rate (Clopper-Pearson); `names` counts what was added.
     """
 
     runs: int
@@ -293,7 +296,7 @@ class FalseAdd:
 
     @property
     def rate(self) -> float:
-        """The share that gained something."""
+        """Share of the records to which something was added."""
         return self.gained / self.runs
 
 
@@ -302,10 +305,10 @@ class Diagnosis:
     """
     The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
 
-    `refused` is a term without a name that did not stand, and is not in the model; `start` the
-    state that `after` begins in, None for that of the experiment. The locked part has `decided`
-    where the verdict would be another one without it. `alike` are models that suit the record as
-    well as `after`, None where nobody asked.
+    `refused` is a term without a name that did not stand, and is not in the model; `start` is
+    where `after` begins, None for the start of the experiment. `decided` says that the verdict
+    would be another one without the locked part. `alike` are models that suit the record as well
+    as `after`, None where they were not sought or too few were found.
     """
 
     verdict: str
@@ -332,5 +335,5 @@ class Diagnosis:
 
     @property
     def added(self) -> bool:
-        """Whether the model has something that it had not."""
+        """Whether something was added to the model."""
         return self.verdict == 'effect' or self.unknown is not None

@@ -18,16 +18,16 @@ from booster_ros.model.system import PositionerParameters, depends_on_time
 Array = np.ndarray
 
 START = 5.0
-"""Time from the beginning of the record that says where it starts, s."""
+"""Time at the beginning of a record, s, whose rows say where the record starts."""
 
 FULLY = 0.999
-"""Share of its largest area from which a seat is fully open."""
+"""Share of the largest area of a seat from which the seat is fully open."""
 
 
 def validated(
     diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()
 ) -> Diagnosis:
-    """Return the diagnosis with the errors of its models on this experiment, and its notes."""
+    """Return the diagnosis with the errors of its models on this experiment, and notes on it."""
     stages = (diagnosis.declared, diagnosis.before, diagnosis.after)
     starts = [_start(experiment, parameters) for parameters in stages]
     runs = {stage: experiment.predict(*one) for stage, one in zip(
@@ -53,7 +53,7 @@ def _of_other_channels(first: Experiment, other: Experiment) -> tuple[str, ...]:
 
 
 def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tuple[str, ...]:
-    """Return a sentence where a term without a name is asked for what it has not seen."""
+    """Return a sentence where a term without a name is asked beyond the range that it has seen."""
     unknown = diagnosis.unknown
     if unknown is None:
         return ()
@@ -65,7 +65,7 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tup
 
 
 def _in_another_phase(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Return a sentence where what was added goes by the time since the record began."""
+    """Return a sentence where what was added depends on the time since the record began."""
     if not depends_on_time(diagnosis.after) or depends_on_time(diagnosis.declared):
         return ()
     return ('what was added goes by the time since the record began: the other record is judged '
@@ -75,7 +75,7 @@ def _in_another_phase(diagnosis: Diagnosis) -> tuple[str, ...]:
 def _opened_further(
     diagnosis: Diagnosis, experiment: Experiment, start: Initial
 ) -> tuple[str, ...]:
-    """Return a sentence for each seat that is open fully in this record and never in the first."""
+    """Return a sentence for each seat that is fully open in this record but never in the first."""
     if not {'control_current', 'back_pressure'} & set(experiment.drives):
         return ()  # nothing says how far the booster is open
     fitted = _fully_open(diagnosis.experiment, diagnosis.after, diagnosis.start)

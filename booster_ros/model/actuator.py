@@ -159,7 +159,7 @@ def stop_force(act: Actuator, position: float, velocity: float) -> float:
     """Return the force of the end stops on the stem, N, positive towards open; never pulls."""
     if position < 0.0:
         stiffness = act.stop_stiffness
-        if act.seat_stiffness > 0.0:  # seat and stop yield one behind the other
+        if act.seat_stiffness > 0.0:  # seat and stop are springs in series
             stiffness *= act.seat_stiffness / (act.seat_stiffness + stiffness)
         return max(-stiffness * position - act.stop_damping * velocity, 0.0)
     if position > act.travel:
@@ -195,7 +195,7 @@ def sliding_friction(act: Actuator, position: float, velocity: float) -> float:
 
 
 LEAST_SHARE = 0.02
-"""Friction of bristles is at least this share of what it is where it is largest."""
+"""Least friction of the bristles, as a share of the largest that they can have."""
 
 
 def is_rigid(act: Actuator) -> bool:
@@ -208,9 +208,9 @@ def presliding_force_rate(act: Actuator, force: float, position: float, velocity
     Return the rate in N/s of the force that the packing's bristles hold against the stem.
 
     LuGre model, C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419, eq. 2, with
-    the force in place of the deflection: it grows with the stem's way and saturates at sliding.
-    Where a bent stem rubs less and less, a share of the largest friction stays: bristles that hold
-    nothing have no law.
+    the force in place of the deflection: the force grows as the stem moves and saturates at the
+    sliding friction. Where a bent stem rubs less and less, `LEAST_SHARE` of the largest friction
+    stays: bristles that hold nothing have no law.
     """
     least = LEAST_SHARE * (act.coulomb_friction + abs(act.friction_gradient) + act.stiction)
     sliding = max(sliding_friction(act, position, velocity), least)
@@ -219,9 +219,9 @@ def presliding_force_rate(act: Actuator, force: float, position: float, velocity
 
 def presliding_friction(act: Actuator, force: float, rate: float) -> float:
     """
-    Return the friction in N that bristles with this force (N) and rate of it (N/s) oppose.
+    Return the friction, N, of bristles that hold this force (N), which changes at this rate (N/s).
 
-    The same source, eq. 3.
+    Eq. 3 of the source in `presliding_force_rate`.
     """
     damping = act.presliding_damping * 2.0 * math.sqrt(act.presliding_stiffness * act.moving_mass)
     return force + damping / act.presliding_stiffness * rate
@@ -243,7 +243,7 @@ def stem_acceleration(act: Actuator, force: float, friction: float) -> float:
 
 
 DOUBLINGS = 40
-"""A tenth of the travel doubled so often is further than any stop yields."""
+"""Doublings of a tenth of the travel that lead further than any stop yields."""
 
 
 def balance_position(act: Actuator, pressure: float,
@@ -251,8 +251,8 @@ def balance_position(act: Actuator, pressure: float,
     """
     Return the position, m, at which spring, stops and pressure (gauge, Pa) balance.
 
-    `extra` is a further force, N, positive towards open, by the position. Bisection: the balance
-    has no closed form once the spring is bent or the area changes.
+    `extra` is a further force, N, positive towards open, as a function of the position. Bisection:
+    the balance has no closed form once the spring is bent or the area changes.
     """
 
     def net_force(position: float) -> float:
@@ -261,13 +261,13 @@ def balance_position(act: Actuator, pressure: float,
     low, high = -0.1 * act.travel, 1.1 * act.travel
     for doublings in range(DOUBLINGS):
         beyond = 0.1 * act.travel * 2.0**doublings
-        if net_force(low) < 0.0:  # it is pressed further into its stop, or seat, than that
+        if net_force(low) < 0.0:  # the stem is pressed further into its stop, or seat
             low, high = low - beyond, low
         elif net_force(high) > 0.0:
             low, high = high, high + beyond
         else:
             break
-    else:  # an area that grows in the stop by more than that pushes back: no balance
+    else:  # no balance: in the stop a changing area adds more than the stop pushes back
         return 0.0 if net_force(low) < 0.0 else act.travel
     for _ in range(60):
         middle = 0.5 * (low + high)

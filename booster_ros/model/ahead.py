@@ -1,10 +1,10 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Steps that reach beyond the interval: a state that stands needs no step for every row.
+Steps ahead, which reach beyond the interval: a state that stands needs no step for every row.
 
-While a step ahead lasts, the state goes along it. Where the inputs change the step is left at that
-moment: nothing depends on what comes later, nor on how rows are portioned.
+While a step ahead lasts, the state follows it. Where an input changes, the step is left at that
+moment: results depend neither on what comes later nor on how rows are divided into portions.
 """
 
 from .memory import PASSED, STEP_AHEAD
@@ -13,7 +13,7 @@ from .system import derivatives
 
 
 def begin_ahead(p, time, current, direction, y, memory, step, stuck, w) -> None:
-    """Take the step of length `step` s from `y` to w.trial as the one to go along."""
+    """Keep the step of length `step` s from `y` to w.trial as the step ahead."""
     memory[STEP_AHEAD], memory[PASSED] = step, 0.0
     derivatives(p, time, current, direction, w.trial, w.stage_rates)
     for i in range(STATES):
@@ -30,9 +30,9 @@ def covers(memory, length: float) -> bool:
 
 def go_along(y, memory, length: float, active, count: int, w) -> None:
     """
-    Take `y` further by `length` s along the step ahead, which must cover it.
+    Take `y` further by `length` s along the step ahead, which must cover that time.
 
-    Between its ends the state follows the cubic with the step's states and rates at both.
+    Within the step the state follows the cubic that has the step's states and rates at its ends.
     """
     step = memory[STEP_AHEAD]
     memory[PASSED] += length
@@ -46,7 +46,7 @@ def go_along(y, memory, length: float, active, count: int, w) -> None:
 
 
 def finish(y, memory, active, count: int, w) -> float:
-    """Take `y` to the end of the step ahead, its rates to w.rates; return the time passed, s."""
+    """Take `y` and w.rates to the end of the step ahead; return the time passed, s."""
     rest = memory[STEP_AHEAD] - memory[PASSED]
     memory[STEP_AHEAD] = 0.0
     for i in range(count):

@@ -9,7 +9,7 @@ from .quantity import Quantity
 
 
 class Booster(NamedTuple):
-    """Diaphragm areas and what they open."""
+    """Diaphragm areas and the two seats that their force opens."""
 
     s1: Annotated[float, Quantity(
         'm^2', 'effective area of the upper diaphragm', 1e-9, 1.0, 'paper section II.C')] = 13.52e-6

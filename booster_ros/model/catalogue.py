@@ -16,8 +16,8 @@ class Knob:
     One parameter of an effect as a fit turns it.
 
     `typical` is a size that a record shows well, `low` and `high` bound the search (SI units,
-    `neutral` included where the effect vanishes there). `inverse` fits value to the minus so much
-    instead of the value: a restriction vanishes as its area grows, its drop with area squared.
+    `neutral` included where the effect vanishes there). Where `inverse` is n > 0, value**-n is
+    fitted instead of the value: a restriction vanishes as its area grows, its drop as 1/area².
     """
 
     parameter: str
@@ -27,7 +27,7 @@ class Knob:
     neutral: float = 0.0
     inverse: int = 0
     shape: bool = False  # a shape parameter means nothing while the size is neutral
-    clocked: bool = False  # it acts by speeds, of which a sweep without a clock says nothing
+    clocked: bool = False  # it acts through speeds, which a sweep without a clock lacks
 
     def to_fit(self, value: float) -> float:
         """Return the fitted variable for a value."""
@@ -36,7 +36,7 @@ class Knob:
         return 0.0 if value <= 0.0 else value**-self.inverse
 
     def from_fit(self, variable: float) -> float:
-        """Return the value for a fitted variable; an inverse knob is neutral at zero."""
+        """Return the value for a fitted variable; an inverse knob is neutral from `high` on."""
         if not self.inverse:
             return variable
         vanishing = self.high**-self.inverse
@@ -46,9 +46,9 @@ class Knob:
 @dataclass(frozen=True)
 class Effect:
     """
-    A named effect: where it is born, what turns it, what shows it and what separates it.
+    A named effect: where it is born, its knobs, what a record needs to show it, what separates it.
 
-    `loosens` are declared parameters that are known less well where there is this effect.
+    `loosens` names the declared parameters that are known less well where this effect is present.
     """
 
     name: str
@@ -66,7 +66,8 @@ def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
     return Effect(name, location, knobs, meaning, needs, experiment, source, loosens)
 
 
-# a stiffer packing yields less than sensors tell; a rigid one says the same and is simulated faster
+# a packing stiffer than `high` yields less than sensors tell: a rigid one reads the same, and is
+# simulated faster
 _PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 1e8, 0.0, inverse=1, shape=True)
 _PRESLIDING_DAMPING = Knob(
     'actuator.presliding_damping', 1.0, 0.2, 3.0, 1.0, shape=True, clocked=True)
@@ -90,8 +91,8 @@ _ROWS = (
         'second and third order of the nozzle-flapper characteristic',
         Knob('ep_converter.nonlinearity_even', 1e3, -3e4, 3e4),
         Knob('ep_converter.nonlinearity_odd', 1e3, -3e4, 3e4),
-        # gain and zero were adjusted to a straight line, which this curve need not touch where its
-        # terms are 0
+        # gain and zero were adjusted to a straight line, which this curve need not touch at its
+        # centre, where its terms are 0
         loosens=('ep_converter.gain', 'ep_converter.offset')),
     _effect(
         'dead_time', 'ep_converter', 'the response starts late', 'steps, sampled faster than it',
@@ -242,7 +243,7 @@ EFFECTS: dict[str, Effect] = {row.name: row for row in _ROWS}
 """All named effects; the names and locations are those that reports print."""
 
 _OF_EFFECTS = frozenset(knob.parameter for row in _ROWS for knob in row.knobs) | {
-    # what no fit turns
+    # parameters of effects that no fit turns
     'ep_converter.nonlinearity_centre', 'ep_converter.nonlinearity_span',
     'tubing.critical_pressure_ratio',
 }
@@ -250,9 +251,9 @@ _OF_EFFECTS = frozenset(knob.parameter for row in _ROWS for knob in row.knobs) |
 
 def is_of_effect(parameter: str) -> bool:
     """
-    Tell whether a parameter (dotted name) is an effect's, or the term's that has no name.
+    Tell whether a parameter (dotted name) belongs to an effect, or to the term without a name.
 
-    The others are the declared model's, which is what is left where all effects' have their
-    defaults.
+    The others belong to the declared model: the model that is left where the parameters of all
+    effects have their defaults.
     """
     return parameter in _OF_EFFECTS or parameter.startswith('discrepancy.')

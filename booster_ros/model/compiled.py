@@ -23,9 +23,9 @@ from typing import Any
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
             'discrepancy', 'state', 'system', 'sticking', 'memory', 'outputs', 'workspace',
             'rodas3', 'dormand_prince', 'ahead', 'solver', 'kernel')
-# Parameters are a hundred numbers, and a call hands them over one by one: where the equations are
-# inlined into the steps, they take half the time. Inlined itself, rodas3 would be compiled at each
-# of its many calls, for twice as long and to no use.
+# Parameters are a hundred numbers, and a call hands them over one by one: equations that are
+# inlined into the steps take half the time. If rodas3 were inlined too, it would be compiled at
+# each of its many calls, which takes twice as long and gains nothing.
 _INLINED = frozenset(_MODULES) - {'workspace', 'rodas3', 'solver', 'kernel'}
 _PYTHON = f'py{sys.version_info.major}{sys.version_info.minor}'
 _PLAIN = {'new_workspace', 'balance_position'}
@@ -41,8 +41,8 @@ def cache_folder() -> Path | None:
     Return the folder for machine code of exactly these sources, or None where none is writable.
 
     The name holds a digest of the sources and of how they are compiled, because numba's own check
-    looks at one file only and would keep a function whose callee in another file has changed; and
-    of where they are, because numba keeps the code of each copy apart.
+    looks at one file only and would keep a function whose callee in another file has changed; it
+    also covers the path of the sources, because numba keeps the code of each copy apart.
     """
     here = Path(__file__).parent
     digest = hashlib.sha256(str(here).encode() + Path(__file__).read_bytes())
@@ -74,7 +74,7 @@ def compiled_run() -> Callable[..., None] | None:
 @functools.cache
 def compiled_modules() -> dict[str, dict[str, Any]] | None:
     """
-    Return the names of each module of the model with its functions as machine code.
+    Return the namespace of each module of the model, with its functions as machine code.
 
     A function is compiled at its first call. None without numba.
     """
@@ -94,7 +94,7 @@ def compiled_modules() -> dict[str, dict[str, Any]] | None:
 
 
 def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, Any]]:
-    """Return the names of each module, functions replaced by their compiled versions."""
+    """Return the namespace of each module, functions replaced by their compiled versions."""
     replaced: dict[Any, Any] = {}
     namespaces: dict[str, dict[str, Any]] = {}
     for name in _MODULES:
@@ -104,8 +104,8 @@ def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, A
         own = {key: value for key, value in vars(module).items()
                if isinstance(value, types.FunctionType) and value.__module__ == module.__name__
                and key not in _PLAIN}
-        # in the order of the file: a function sees the compiled versions of all it calls only
-        # when numba compiles it, at the first call, so the namespace is filled in first
+        # in the order of the file: numba looks up what a function calls when it compiles it, at
+        # its first call, and by then the namespace holds the compiled versions of all
         for key, value in own.items():
             twin = types.FunctionType(value.__code__, names, key, value.__defaults__)
             twin.__module__ = module.__name__

@@ -3,11 +3,11 @@
 """
 What a record showed beyond the named effects: a tabulated term in one component.
 
-The table is piecewise linear over one variable. What the record covered lies between its second
-value and its last but one; beyond, the term fades to the outermost values and is zero from there.
+The table is piecewise linear over one variable. Its second value and its last but one are the ends
+of what the record covered; beyond them the term fades to the outermost values, then it is zero.
 
-A force that acts through a play (friction of a relay) is part of the term that follows its place
-there; the table adds to it.
+A term over the place of the booster's force in a play (friction of a relay) contains the play
+itself; the table adds to it.
 """
 
 import math
@@ -22,7 +22,7 @@ LOCATION_UNITS = ('-', 'Pa', 'N', 'Pa', 'kg/s', 'N', 'Pa', 'm', 'm^3')
 NONE, EP_CONVERTER, BOOSTER, SUPPLY, CHAMBER, STEM, PRESSURE_SENSOR, POSITION_SENSOR, \
     CHAMBER_VOLUME = range(9)
 
-# What needs a past comes last: compiled code tells it by its number (`remembers`, `forgets`).
+# Variables with a past come last: compiled code tells them by number (`remembers`, `forgets`).
 VARIABLES = ('time', 'control_current', 'back_pressure', 'supply_pressure', 'chamber_pressure',
              'valve_position', 'stem_velocity', 'booster_force', 'control_current_change',
              'chamber_pressure_change', 'valve_position_change', 'booster_force_play')
@@ -33,12 +33,12 @@ TIME, CONTROL_CURRENT, BACK_PRESSURE, SUPPLY_PRESSURE, CHAMBER_PRESSURE, VALVE_P
 
 CHANGE_OF = {CURRENT_CHANGE: CONTROL_CURRENT, PRESSURE_CHANGE: CHAMBER_PRESSURE,
              POSITION_CHANGE: VALVE_POSITION}
-"""The variable that a change is one of."""
+"""The variable whose change each of these is."""
 
 KNOTS = 12
 
 PLACES = 200
-"""Of a play, between its ends, from which the one at rest is chosen."""
+"""Steps across a play in which the place at rest is looked for."""
 
 
 class Discrepancy(NamedTuple):
@@ -72,12 +72,12 @@ class Discrepancy(NamedTuple):
 
 
 def remembers(table: Discrepancy) -> bool:
-    """Tell whether the term depends on what was."""
+    """Tell whether the term depends on the past."""
     return table.location != NONE and table.variable >= CURRENT_CHANGE
 
 
 def forgets(table: Discrepancy) -> bool:
-    """Tell whether the term follows a change, of which what was is forgotten in time."""
+    """Tell whether the term follows a recent change, whose past is forgotten in time."""
     return remembers(table) and not has_play(table)
 
 
@@ -90,8 +90,9 @@ def can_depend(location: int, variable: int) -> bool:
     """
     Tell whether the term of a component can follow a variable.
 
-    The supply knows the time alone; the booster's force is no input of converter and stem, and has
-    a play in the booster only; the chamber's volume changes with the stem and the pressure.
+    A term of the supply can follow time alone, one of the chamber's volume only position or
+    pressure. The booster's force is no input of converter and stem, and has a play in the booster
+    only.
     """
     if location == SUPPLY:
         return variable == TIME
@@ -120,7 +121,7 @@ def interpolate(table: Discrepancy, value: float) -> float:
 
 
 def slope(table: Discrepancy, value: float) -> float:
-    """Return how the term rises with the variable at `value`; zero outside."""
+    """Return the slope of the term over its variable at `value`; zero outside."""
     if not table.low <= value <= table.high:
         return 0.0
     left, _, width = _interval(table, value)
@@ -128,7 +129,7 @@ def slope(table: Discrepancy, value: float) -> float:
 
 
 def _interval(table: Discrepancy, value: float) -> tuple[int, float, float]:
-    """Return the number of the table's value below, the share of the way to the next, its width."""
+    """Return the index of the knot below, the share of the way to the next, and that width."""
     first, last = covered(table)
     if value < first:
         return 0, (value - table.low) / (first - table.low), first - table.low
@@ -140,21 +141,21 @@ def _interval(table: Discrepancy, value: float) -> tuple[int, float, float]:
 
 
 def place_in_play(table: Discrepancy, past: float, force: float) -> float:
-    """Return where in its play a force (N) stands, -1 to 1; what it moves stood at `past` (N)."""
+    """Return the place, -1 to 1, of a force (N) in its play; what it moves stood at `past` (N)."""
     return (force - play(past, force, 2.0 * table.reach)) / table.reach
 
 
 def behind_play(table: Discrepancy, past: float, force: float) -> float:
-    """Return what is to be added to a force (N) for what opens the seats behind its play, N."""
+    """Return what to add to a force (N) to get what opens the seats, behind its play, N."""
     place = place_in_play(table, past, force)
     return interpolate(table, place) - table.reach * place
 
 
 def past_at_rest(table: Discrepancy, force: float) -> float:
     """
-    Return where what a force (N) moves through a play stands at rest, N.
+    Return the position at rest, N, of what a force (N) moves through a play.
 
-    A booster rests with both seats shut, or as nearly as the play has room for.
+    A booster rests with both seats shut, or as nearly shut as the play has room for.
     """
     least, at_rest = math.inf, force
     for k in range(PLACES + 1):

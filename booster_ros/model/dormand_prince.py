@@ -58,11 +58,12 @@ def explicit_step(p, time, current, direction, y, h, active, count, w) -> float:
 
 def contraction(active, count, w) -> float:
     """
-    Return, times the step, the rate at which neighbouring solutions ran together in the last step.
+    Return the rate at which neighbouring solutions ran together in the last step, times the step.
 
-    From its last two stages, both at its end. The method is stable up to about 3.3. (E. Hairer and
-    G. Wanner, Solving Ordinary Differential Equations II, section IV.2, there without the sign:
-    solutions that run apart, as a stem's that breaks away, are no sign of stiffness.)
+    It is from the last two stages, both at the end of the step. The method is stable up to about
+    3.3. (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, section IV.2, there
+    without the sign: solutions that run apart, as those of a stem that breaks away, are no sign of
+    stiffness.)
     """
     together, apart = 0.0, 0.0
     for i in range(count):

@@ -28,11 +28,11 @@ def simulate_ensemble(
     compiled: bool = True,
 ) -> dict[str, np.ndarray]:
     """
-    Simulate every parameter set over the same rows, as `simulate` does, to the last bit.
+    Simulate every parameter set over the same rows, with the same bits as `simulate`.
 
     Return arrays of shape (sets, rows), SI, for the `columns` asked for (names of `Outputs`).
     Machine code runs outside Python's lock, so that `threads` (default: as many as cores) share
-    the work; they share no state, so that their number changes nothing else. ValueError where
+    the work; they share no state, so their number changes nothing else. ValueError where
     shapes or times do not fit, KeyError for an unknown column.
     """
     kept = {name: np.empty((len(parameter_sets), len(time))) for name in columns}

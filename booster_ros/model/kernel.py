@@ -11,10 +11,10 @@ from .supply import longest_hold
 from .system import PositionerParameters, depends_on_time, follow_play, hold_inactive_states
 
 LONGEST_STEP = 0.5
-"""While a current stands, steps over several intervals are no longer than this, s."""
+"""Longest step over several intervals, s, which is made only while the current stands."""
 
 OBSERVED = 15
-"""Columns that `run` writes: the fields of `Outputs`."""
+"""Number of columns that `run` writes: the fields of `Outputs`."""
 
 
 def interval(
@@ -27,7 +27,7 @@ def interval(
     Return the current that the E/P converter acted on, A. `y` and `memory` change in place. The
     states in `pinned` are given in `y` and are not among the `active`.
     """
-    middle = time + 0.5 * length  # what goes by time stands over an interval, as a current does
+    middle = time + 0.5 * length  # what depends on time stands over an interval, as a current does
     seen = seen_current(p, memory, current)
     before = (y[CHAMBER], y[POSITION])
     stands = seen == memory[STANDING] and len(pinned) == 0
@@ -52,7 +52,7 @@ def interval(
 
 
 def parts_of(p: PositionerParameters, length: float, longest: float) -> int:
-    """Return into how many intervals to divide `length` s, none over `longest` or the ripple's."""
+    """Return how many intervals `length` s makes, none over `longest` or what a ripple allows."""
     return max(1, int(length / min(longest, longest_hold(p.supply)) + 0.999))
 
 

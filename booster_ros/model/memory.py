@@ -11,10 +11,10 @@ from .state import CHAMBER, POSITION
 from .sticking import sliding_direction
 from .system import PositionerParameters
 
-# The stem's direction of sliding (0 stuck or no dry friction), the solver's next trial step, how
-# often the present slide has been found stiff, the length of a step that reaches beyond the
-# interval (0 for none) and how much of it has passed, the current that it is for, the plays and the
-# sensors.
+# In this order: the stem's direction of sliding (0: stuck, or no dry friction), the solver's next
+# trial step, how often the present slide has been found stiff, the length of a step ahead (0:
+# none), how much of it has passed, the current that it is for, where the E/P converter's play
+# stands, the lagged pressure and position, where the play of the position reading stands.
 (DIRECTION, TRIAL_STEP, STIFFNESS, STEP_AHEAD, PASSED, STANDING, EP_PLAY, LAGGED_PRESSURE,
  LAGGED_POSITION, POSITION_PLAY) = range(10)
 MEMORIES = 10
@@ -22,12 +22,13 @@ MEMORIES = 10
 
 class Departure(NamedTuple):
     """
-    How far from settled and centred a positioner starts, of which a command alone tells nothing.
+    How far from settled and centred a positioner starts, which a command alone does not tell.
 
-    `back_pressure` in Pa; `ep_play` and `position_play` say where in its play the current's and the
-    position reading's part stands: share of half the width, -1 to 1; `temperature` in K, by which
-    the chamber's air is warmer than its wall; `past` by how much what a term remembers is above
-    what is, in the unit of that state (PAST_UNIT: 0.1 mA, 1 bar, 10 mm, 0.1 N).
+    `back_pressure` is how far that is above the settled one, Pa. `ep_play` and `position_play` say
+    where in its play the part stands that the current moves, or that the position sensor reads: a
+    share of half the width, -1 to 1. `temperature` is how much warmer the chamber's air is than
+    its wall, K. `past` is how far what a term remembers is above what it would be after a long
+    rest, in the unit of that state (PAST_UNIT: 0.1 mA, 1 bar, 10 mm, 0.1 N).
     """
 
     back_pressure: float = 0.0
@@ -62,9 +63,9 @@ def start_memory(p: PositionerParameters, current: float, y, first_step: float, 
 
 
 def seen_current(p: PositionerParameters, memory, current: float) -> float:
-    """Return the current that the E/P converter acts on, A, and remember its hysteresis."""
+    """Return the current that the E/P converter acts on, A, and remember where its play stands."""
     if p.ep_converter.hysteresis <= 0.0:
-        memory[EP_PLAY] = current  # from there it goes on once there is one
+        memory[EP_PLAY] = current  # a hysteresis that is set later begins there
     else:
         memory[EP_PLAY] = play(memory[EP_PLAY], current, p.ep_converter.hysteresis)
     return memory[EP_PLAY]

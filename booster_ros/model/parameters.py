@@ -22,7 +22,7 @@ _CHOICES = {
 }
 
 LONGEST_QUOTE = 60
-"""Characters of a value that a sentence quotes, at the most."""
+"""Most characters of a value that a sentence quotes."""
 
 
 class ParameterError(ValueError):
@@ -59,7 +59,7 @@ def _describe() -> dict[str, Description]:
 
 
 DESCRIPTIONS: dict[str, Description] = _describe()
-"""Every physical parameter by its dotted name, the effects' too."""
+"""Every physical parameter by its dotted name, those of effects included."""
 
 
 def unknown_name(name: str, known: Iterable[str]) -> str:
@@ -104,7 +104,7 @@ def to_values(parameters: PositionerParameters) -> dict[str, Value]:
 
 
 def shown(value: Any) -> str:
-    """Return a value as a sentence quotes it: of a long one the beginning."""
+    """Return a value as a sentence quotes it: only the beginning of a long one."""
     try:
         text = repr(list(value) if isinstance(value, array) else value)
     except ValueError:  # Python writes out no whole number of more than 4300 digits

@@ -9,7 +9,7 @@ from .quantity import Quantity
 
 
 class Sensors(NamedTuple):
-    """Ideal unless told otherwise."""
+    """Biases, lags and a play of the sensors: ideal unless told otherwise."""
 
     pressure_bias: Annotated[float, Quantity(
         'Pa', 'pressure_sensor_bias: added to the chamber pressure', -1e6, 1e6)] = 0.0
@@ -29,7 +29,8 @@ def lagged(value: float, before: float, after: float, time_constant: float, step
     """
     Return a first-order lag's output after `step` (s).
 
-    `value` was its output, its input went on a straight line from `before` to `after`. Exact.
+    Before the step its output was `value`. During it, its input ran on a straight line from
+    `before` to `after`, for which the result is exact.
     """
     if time_constant <= 0.0:
         return after

@@ -50,8 +50,9 @@ class Plant:
         """
         The physical parameters; setting them keeps pressures, position and velocity.
 
-        What a term remembers as well, unless the new one follows something else, and the force of
-        friction: a stem that is stuck stays where it is, one that moves slides on.
+        Setting them also keeps what a term remembers, unless the new term has another location or
+        variable, and the force of friction: a stem that is stuck stays where it is, one that moves
+        slides on.
         """
         return self._parameters
 
@@ -162,10 +163,10 @@ def simulate(
     Simulate over the rows of a record, shape (n,) each: time in s, control current in A.
 
     A current stands from its row to the next. `initial` may hold values of the state at the first
-    row (keys `STATE_NAMES`, else settled, chamber vented); `pinned` channels (same keys) follow
-    the given series instead of the equations. `departure` is how far from
-    settled the model starts; intervals between rows longer than `longest_interval` (s) are
-    divided. ValueError where shapes or times do not fit.
+    row (keys `STATE_NAMES`); what it lacks starts settled, with the chamber vented.
+    `pinned` channels (same keys) follow the given series instead of the equations. `departure` is
+    how far from settled the model starts. Intervals between rows that are longer than
+    `longest_interval` (s) are divided. ValueError where shapes or times do not fit.
     """
     held = dict(pinned or {})
     start = {**(initial or {}), **{name: float(series[0]) for name, series in held.items()}}

@@ -10,9 +10,9 @@ One call of `advance` takes the state over one interval in which all inputs stan
    and stays there while the force on it is below the break-away friction;
 3. a stuck stem whose force passes the break-away friction starts to slide at that moment.
 
-Steps are linearly implicit (`rodas3`), but for a stem that slips: within milliseconds nothing is
-stiff any more, and accuracy asks for steps that an explicit method of higher order
-(`dormand_prince`) does better. A packing that yields makes such steps as well.
+Steps are linearly implicit (`rodas3`), except where a stem slips: within milliseconds nothing is
+stiff any more, and accuracy asks for short steps, which an explicit method of higher order
+(`dormand_prince`) does better. Slips in a packing that yields are taken in such steps as well.
 
 The functions work on lists (plain Python) and on numpy arrays (compiled) alike.
 """
@@ -30,22 +30,22 @@ from .system import PositionerParameters, derivatives
 from .workspace import Workspace, new_workspace
 
 FINEST_DIVISION = 4000.0
-"""Steps are not made shorter than the interval by this, whatever the error estimate says."""
+"""No step is shorter than the interval divided by this, whatever the error estimate says."""
 
 FINEST_STEP = 1e-8
 """
-Where a step as short as that is lost, steps down to this, s, are allowed for the rest of the
-interval: a light stem whose friction fades runs away within a microsecond.
+Shortest step, s, for the rest of an interval in which a step as short as `FINEST_DIVISION` allows
+is lost: a light stem whose friction fades runs away within a microsecond.
 """
 
 AHEAD_SHARE = 0.1
-"""Share of the tolerance for a step over several rows: it is seen at all of them."""
+"""Share of the tolerance allowed to a step over several rows: its error is seen at all of them."""
 
 LOST = 1e6
-"""An error beyond the tolerance by this, at the shortest step, is no step at all."""
+"""Factor on the tolerance: a shortest step whose error is beyond even that is lost."""
 
 SHORTEST_EVENT = 1e-7
-"""A step to where sticking or sliding ends is at least this long, s: time must pass."""
+"""Shortest step to where sticking or sliding ends, s: time must pass."""
 
 FIRST_SLIP_STEP = 3e-4
 """Trial step after break-away, s."""
@@ -55,20 +55,20 @@ LONGEST_EXPLICIT = 2e-3
 
 YIELDING_EXPLICIT = 6.0
 """
-Where the packing yields, trial steps up to this, in times of the stem on it, are explicit as well:
-slips, then, and what follows them, not what creeps.
+Where the packing yields, trial steps up to this many times `presliding_time` are explicit as well:
+those of slips and of what follows them, not those of a creeping stem.
 """
 
 STIFF = 2.5
 STIFF_STEPS = 3
-"""So many explicit steps with a contraction beyond this prove a slide stiff."""
+"""Contraction beyond which an explicit step is stiff; how many such steps prove a slide stiff."""
 
 EVENT_FORCE = 1e-3
 EVENT_TRIALS = 8
-"""Force (N) beyond break-away at which the end of sticking is looked for, trials for it."""
+"""Force, N, beyond break-away at which the end of sticking is looked for; most trials for that."""
 
 ROUNDING = 1e-6
-"""A force (N) beyond break-away by no more than this is none: a stem pressed to a stop rests."""
+"""Force, N, beyond break-away up to which a stem still rests, as one pressed to a stop does."""
 
 
 def _try_step(p, time, current, direction, y, h, explicit, active, count, w) -> float:
@@ -78,7 +78,7 @@ def _try_step(p, time, current, direction, y, h, explicit, active, count, w) -> 
 
 
 def _step_factor(error: float, explicit: bool) -> float:
-    """Return by what to multiply the step for an error just within the tolerance."""
+    """Return the factor on the step that brings its error just within the tolerance."""
     order = EXPLICIT_ORDER if explicit else IMPLICIT_ORDER
     return min(max(0.9 * max(error, 1e-9) ** (-1.0 / order), 0.2), 5.0)
 
@@ -87,8 +87,8 @@ def _step_to_breakaway(p, time, current, y, step, active, count, w) -> float:
     """
     Shorten the step so that a stuck stem is just about to slide; the result is in w.trial.
 
-    False position, as the force runs nearly straight over a step. It goes beyond break-away by so
-    much that a stem which is found there does slide.
+    The search is by false position, as the force runs nearly straight over a step. It ends so far
+    beyond break-away that a stem which is found there does slide.
     """
     early, before = 0.0, breakaway_excess(p, time, current, y) - EVENT_FORCE
     late, after = step, breakaway_excess(p, time, current, w.trial) - EVENT_FORCE
@@ -111,9 +111,9 @@ def _step_to_breakaway(p, time, current, y, step, active, count, w) -> float:
 
 def _zero_crossing(start: float, slope: float, end: float, end_slope: float) -> float:
     """
-    Return where in 0..1 the cubic falls through zero that has these values and slopes at 0 and 1.
+    Return where in 0..1 the cubic with these values and slopes at 0 and 1 crosses zero.
 
-    `start` and `end` have different signs. Bisection: twenty halvings outdo the cubic itself.
+    `start` and `end` have different signs. Bisection: twenty halvings are finer than the cubic is.
     """
     low, high = 0.0, 1.0
     for _ in range(20):
@@ -144,11 +144,13 @@ def advance(
     """
     Take the state `y` over `length` s of standing inputs, in place.
 
-    One of these is `time` (s), that of the interval's middle, but for a stem that slips.
+    `time` (s), that of the interval's middle, is one of these inputs; explicit steps, those of a
+    stem that slips, do follow the time.
 
-    `active[:count]` are the states to integrate in rising order, the others stand still;
-    `tolerance` multiplies `TOLERANCE` (infinite: one step however large the error). Steps of up to
-    `longest_ahead` s may reach beyond the interval; what is left of one is in `memory` and `w`.
+    `active[:count]` are the states to integrate, in rising order; the others stand still.
+    `tolerance` multiplies `TOLERANCE` (infinite: no step is shortened, however large its error).
+    Steps of up to `longest_ahead` s may reach beyond the interval; `memory` and `w` hold what is
+    left of one.
     """
     smallest = length / FINEST_DIVISION
     dry = sticks(p) and count > 0 and active[count - 1] == VELOCITY
@@ -189,7 +191,7 @@ def advance(
         explicit = short and memory[STIFFNESS] < STIFF_STEPS
         if not explicit:
             fill_jacobian(p, time, current, direction, y, active, moving, w)
-        # the explicit method is one for equations with time (and slower where that stands)
+        # the explicit method can follow the time (and is slower where the time stands)
         now = time - 0.5 * length + (length - left) if explicit else time
         tried = step
         error = _try_step(p, now, current, direction, y, step, explicit, active, moving, w)
@@ -220,7 +222,7 @@ def advance(
                 step = _step_to_rest(
                     p, now, current, direction, y, step, explicit, active, moving, w)
             else:
-                # it would not even get going: stuck over this step, though barely
+                # the stem would not even get going: it is stuck over this step, though barely
                 fill_jacobian(p, time, current, 0.0, y, active, count - 2, w)
                 implicit_step(p, time, current, 0.0, y, step, active, count - 2, w)
         elif dry and direction == 0.0 and breakaway_excess(p, time, current, w.trial) > 0.0:

@@ -4,7 +4,7 @@
 The state in which a positioner starts, seen through its sensors.
 
 Readings are not the state where a sensor is biased or has a term, its linkage has play, or the E/P
-converter has hysteresis: what they leave open is taken so that nothing moves, or as little as can
+converter has hysteresis. What they leave open is chosen so that nothing moves, or as little as can
 be.
 """
 
@@ -23,10 +23,10 @@ Start = tuple[dict[str, float], Departure]
 """An initial state, by name, and how far from settled and centred it is."""
 
 READING_WITH_TERM = {PRESSURE_SENSOR: 'chamber_pressure', POSITION_SENSOR: 'valve_position'}
-"""The reading that a term is part of, by its location."""
+"""The reading that contains a term, by the location of the term."""
 
 BISECTIONS = 30
-"""Halvings of a play, or a term, in search of a place in it: to a billionth of its width."""
+"""Halvings in the search for a place in a play or a term: to a billionth of its width."""
 
 UNSURE = 0.01
 """Share of the travel by which readings of pressure and position may miss the stem's balance."""
@@ -42,10 +42,10 @@ def start_of_readings(
     control current is `current` (A).
 
     1. Bias, span error and term of the sensors are taken off.
-    2. Of all positions in which a linkage with play may show this reading the stem has that nearest
-       to where the forces on it balance.
-    3. A stem that friction or an end stop would hold but for what such readings are unsure of
-       (`UNSURE`) is held: it has the nearest position at which they do. One further off moves.
+    2. Of all positions at which a linkage with play may show this reading, the stem has the one
+       nearest to where the forces on it balance.
+    3. Where friction or an end stop would hold the stem within `UNSURE` of where it is read, it is
+       held: it has the nearest position at which they hold it. A stem further off moves.
     4. In its hysteresis the E/P converter has the place nearest to the middle at which the chamber
        neither fills nor empties: after a rise of the current it is at the lower end.
     """
@@ -55,7 +55,7 @@ def start_of_readings(
 def _term_taken_off(
     p: PositionerParameters, time: float, current: float, readings: Mapping[str, float]
 ) -> dict[str, float]:
-    """Return the readings as they were without the term, which may go by what they tell of."""
+    """Return the readings without the term, which may itself depend on the state behind them."""
     name = READING_WITH_TERM.get(p.discrepancy.location, '')
     if name not in readings:
         return dict(readings)
@@ -70,13 +70,13 @@ def _term_taken_off(
 
     least, most = min(*p.discrepancy.values, 0.0), max(*p.discrepancy.values, 0.0)
     nearly = _nearest(lambda reading: reading + term(reading) < read, read - most, read - least)
-    return {**readings, name: read - term(nearly)}  # one that is constant goes to the last bit
+    return {**readings, name: read - term(nearly)}  # a constant term is taken off to the last bit
 
 
 def _start_without_term(
     p: PositionerParameters, time: float, current: float, readings: Mapping[str, float]
 ) -> Start:
-    """Return the start by readings that no term is part of."""
+    """Return the start that readings without a term tell."""
     sensors = p.sensors
     state: dict[str, float] = {}
     position_play = ep_play = 0.0
@@ -106,7 +106,7 @@ def _balance(p: PositionerParameters, time: float, current: float, pressure: flo
 def _held_position(
     p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
 ) -> float:
-    """Return the position, m, at which the stem is held, as read where no such one is near."""
+    """Return the position, m, at which the stem is held, or that which is read if none is near."""
     pressure, read = state['chamber_pressure'], state['valve_position']
     balance, near = _balance(p, time, current, pressure), UNSURE * p.actuator.travel
     if has_dry_friction(p.actuator):
@@ -125,8 +125,8 @@ def _held_position(
 
 def _filling(p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
              ) -> Callable[[float], float]:
-    """Return how fast the chamber fills, Pa/s, by the place in the E/P converter's play."""
-    # what a tube and heat do to a chamber at rest is nothing
+    """Return the chamber's rate of filling, Pa/s, by the place in the E/P converter's play."""
+    # a tube and heat do nothing to a chamber at rest
     still = p._replace(tubing=p.tubing._replace(restriction_area=0.0),
                        actuator=p.actuator._replace(thermal_resistance=0.0))
 
@@ -141,7 +141,7 @@ def _filling(p: PositionerParameters, time: float, current: float, state: Mappin
 
 
 def _place_at_rest(filling: Callable[[float], float]) -> float:
-    """Return the place from -1 to 1, nearest to the middle, at which `filling` is least."""
+    """Return the place from -1 to 1, nearest to the middle, at which `filling` is nearest to 0."""
     middle = filling(0.0)
     if middle == 0.0:
         return 0.0
@@ -152,7 +152,7 @@ def _place_at_rest(filling: Callable[[float], float]) -> float:
 
 
 def _nearest(moving: Callable[[float], bool], moves: float, rests: float) -> float:
-    """Return the place nearest to `moves`, towards `rests`, that is not moving."""
+    """Return the place nearest to `moves`, on the way to `rests`, where `moving` is false."""
     for _ in range(BISECTIONS):
         half = 0.5 * (moves + rests)
         if moving(half):

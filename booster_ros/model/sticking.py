@@ -21,13 +21,13 @@ def held_force(p: PositionerParameters, time: float, current: float, y) -> float
 
 
 def sliding_direction(p: PositionerParameters, y) -> float:
-    """Return the direction in which a stem slides that can stick; 0: it is exactly still."""
+    """Return the direction in which a stem that can stick slides; 0 if it is exactly still."""
     return math.copysign(1.0, y[VELOCITY]) if sticks(p) and y[VELOCITY] != 0.0 else 0.0
 
 
 def dry_friction(p: PositionerParameters, time: float, current: float, direction: float, y
                  ) -> float:
-    """Return the force, N, with which rigid friction opposes a stem that slides so or is stuck."""
+    """Return the rigid friction, N, against a stem that slides in `direction`, or is stuck (0)."""
     if direction == 0.0:
         return held_force(p, time, current, y)
     return direction * sliding_friction(p.actuator, y[POSITION], y[VELOCITY])
@@ -49,11 +49,11 @@ def breakaway_excess(p: PositionerParameters, time: float, current: float, y) ->
 
 def friction_time_scale(p: PositionerParameters, y, rates) -> float:
     """
-    Return how long the stem takes, s, to a friction that its present one tells nothing about.
+    Return the time, s, until the friction may be one that the present one tells nothing about.
 
-    While stiction fades: to twice the speed. While the stem slows down: to where stiction sets in,
-    which is within 2 Stribeck velocities, then to 1 less. An error estimate can miss a peak of
-    friction that a longer step jumps over.
+    While stiction fades, that is the time to twice the speed. While the stem slows down, it is the
+    time to 2 Stribeck velocities, within which stiction sets in, then to 1 less. An error estimate
+    can miss a peak of friction that a longer step jumps over.
     """
     fading = p.actuator.stribeck_velocity
     speed, change = abs(y[VELOCITY]), rates[VELOCITY]

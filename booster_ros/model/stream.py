@@ -23,13 +23,13 @@ from .system import (
     settled_past, undrawn_supply)
 
 LONGEST_INTERVAL = 0.02
-"""Intervals between rows of a record are divided down to this, s."""
+"""Longest interval, s: longer ones between rows of a record are divided."""
 
 LEAST_PART = 1e-3
-"""An arrival nearer to a row than this share of the longest interval divides nothing."""
+"""Share of the longest interval: a current that arrives nearer to a row divides nothing."""
 
 DEFAULT_TOLERANCE = 1.0
-"""Multiplies the solver's error tolerance."""
+"""Factor on the solver's error tolerance."""
 
 
 def settled_state(
@@ -65,7 +65,7 @@ def settled_state(
 
 
 def _balance_with_term(p: PositionerParameters, time: float, current: float, y) -> None:
-    """Put the stem to where the forces on it balance, a term among them, and has long been so."""
+    """Put the stem where the forces on it, a term included, balance and have done so for long."""
 
     def put(position: float) -> None:
         y[POSITION] = position
@@ -100,9 +100,9 @@ class Stream:
         """
         Start at `time`, settled at a current, the chamber vented.
 
-        `initial` may hold other values of the state (keys `STATE_NAMES`), and what a state
-        does not say may be away from settled by a `departure`. The states `pinned` are given with
-        each portion and follow no equation. Intervals between rows that are longer than
+        `initial` may hold other values of the state (keys `STATE_NAMES`); what a state does not
+        tell may be away from settled by a `departure`. The states `pinned` are given with each
+        portion and follow no equation. Intervals between rows that are longer than
         `longest_interval` (s) are divided.
         """
         given = dict(initial or {})
@@ -120,7 +120,7 @@ class Stream:
         start_memory(parameters, control_current, y, 1e-3, memory, departure)
         self._parameters = parameters
         self._longest = float(longest_interval)
-        self._tolerance = float(tolerance)  # an int would be compiled for anew
+        self._tolerance = float(tolerance)  # for an int all would be compiled anew
         self._pinned = tuple(sorted(STATE_NAMES.index(name) for name in pinned))
         self._active = active_states(parameters, self._pinned)
         self._machine = compiled_run() if compiled else None
@@ -205,9 +205,10 @@ def arrivals(
     time: np.ndarray, current: np.ndarray, dead_time: float, longest: float
 ) -> np.ndarray:
     """
-    Return when changes of the current arrive, one dead time (s) late: rising, each moment once.
+    Return the moments, s, at which changes of the current arrive, one dead time (s) late.
 
-    Only those between rows further apart than `longest` s: over less the mean stands for them.
+    They rise, and each appears once. Only those between rows further apart than `longest` s
+    count: between closer rows the mean current stands for them.
     """
     if dead_time <= 0.0:
         return np.empty(0)

@@ -30,7 +30,7 @@ class Supply(NamedTuple):
 
 
 HELD_SHARE = 0.05
-"""Share of a ripple's period that is held: what the ripple does is then off by 0.4 %."""
+"""Share of its period over which a ripple is held: what it does is then off by 0.4 %."""
 
 
 def set_pressure(supply: Supply, time: float) -> float:
@@ -42,7 +42,7 @@ def set_pressure(supply: Supply, time: float) -> float:
 
 
 def longest_hold(supply: Supply) -> float:
-    """Return over how long, s, the pressure at no flow may be held as it is in the middle."""
+    """Return how long, s, the pressure at no flow may be held at what it is in the middle."""
     if supply.ripple == 0.0 or supply.ripple_frequency == 0.0:
         return math.inf
     return HELD_SHARE / supply.ripple_frequency

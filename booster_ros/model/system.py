@@ -21,18 +21,18 @@ from .state import (
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
 
-# By the variables of a term: the state that each is, or is a change of, -1 where it is none; and
-# the unit of the state `past` in which that is of order one, 0 for no past.
+# For each variable of a term: the state that it is, or whose change it is, -1 where there is none;
+# and the unit in which its state `past` is of order one, 0 where it has no past.
 STATE_OF_VARIABLE = (
     -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION, -1)
 
 PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
 
 SMALLEST_VOLUME = 0.05
-"""Share of the dead volume that is left whatever is taken off it: a space between solid parts."""
+"""Least volume of the chamber, as a share of the dead volume: the space between solid parts."""
 
 LARGEST_YIELD = 0.5
-"""Share of what the gas in it gives way that a chamber may give way less, by a table that falls."""
+"""Most by which a falling table may stiffen the chamber, as a share of its gas's compliance."""
 
 
 class PositionerParameters(NamedTuple):
@@ -63,7 +63,7 @@ def is_active(p: PositionerParameters, state: int) -> bool:
 
 
 def hold_inactive_states(p: PositionerParameters, time: float, y, pinned) -> None:
-    """Put the states that have no dynamics of their own, and are not given, where they belong."""
+    """Set states that have no dynamics of their own, and are not pinned, to what they follow."""
     if p.supply.droop <= 0.0 and SUPPLY not in pinned:
         y[SUPPLY] = undrawn_supply(p, time)
     if p.tubing.restriction_area <= 0.0:
@@ -85,7 +85,7 @@ def undrawn_supply(p: PositionerParameters, time: float) -> float:
 
 
 def present(table: Discrepancy, time: float, current: float, y, force: float) -> float:
-    """Return the variable of a term, of a change what it is one of, as it is now, SI."""
+    """Return the present value, SI, of a term's variable, or of the one whose change that is."""
     if table.variable == term.TIME:
         return time
     if table.variable == term.BOOSTER_FORCE:
@@ -95,7 +95,7 @@ def present(table: Discrepancy, time: float, current: float, y, force: float) ->
 
 
 def settled_past(table: Discrepancy, current: float, y) -> float:
-    """Return the state `past` of a term whose variable has been what it is for long."""
+    """Return the state `past` of a term whose variable has long been what it is now."""
     if not forgets(table):
         return 0.0
     return present(table, 0.0, current, y, 0.0) / PAST_UNIT[table.variable]
@@ -105,8 +105,8 @@ def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: fl
     """
     Return the tabulated term, in the unit of the component that it is in (see discrepancy).
 
-    Callers ask first whether it is in theirs: handing the table over costs more than the question,
-    and nearly always there is none.
+    Callers ask first whether the term is in their component: handing the table over costs more
+    than the question, and nearly always there is no term.
     """
     past = PAST_UNIT[table.variable] * y[PAST]
     if table.variable == term.FORCE_PLAY:
@@ -115,14 +115,14 @@ def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: fl
 
 
 def rest_in_play(p: PositionerParameters, y) -> None:
-    """Put what the booster's force moves through a play to where it is at rest, if there is one."""
+    """Put what the booster's force moves through a play, if there is one, where it is at rest."""
     if has_play(p.discrepancy):
         y[PAST] = past_at_rest(
             p.discrepancy, undisturbed_force(p, y)) / PAST_UNIT[term.FORCE_PLAY]
 
 
 def follow_play(p: PositionerParameters, y) -> None:
-    """Let what the booster's force moves through a play come along to where it is now."""
+    """Let what the booster's force moves through a play, if there is one, follow the force."""
     table = p.discrepancy
     if has_play(table):
         unit = PAST_UNIT[term.FORCE_PLAY]
@@ -130,7 +130,7 @@ def follow_play(p: PositionerParameters, y) -> None:
 
 
 def undisturbed_force(p: PositionerParameters, y) -> float:
-    """Return the force on the booster's stack of diaphragms, N."""
+    """Return the force on the booster's stack of diaphragms, N, without a term."""
     outlet = y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
     return diaphragm_force(p.booster, y[BACK], outlet, y[SUPPLY])
 
@@ -156,11 +156,11 @@ def chamber_space(p: PositionerParameters, pressure: float, position: float
         if by_stem:
             area += slope(table, value)
         else:
-            # a table that falls is no chamber that bursts
+            # a table that falls must not let the pressure run away
             most = LARGEST_YIELD * volume / (pressure + ATMOSPHERE)
             compliance = max(slope(table, value), -most)
     least = SMALLEST_VOLUME * p.actuator.dead_volume
-    if volume < least:  # it stays so small whatever moves: neither makes nor takes gas
+    if volume < least:  # it stays at that whatever moves, or gas would be made or lost
         return least, 0.0, 0.0
     return volume, area, compliance
 
@@ -180,7 +180,7 @@ def derivatives(
     Write the time derivatives of the state `y` into `rates`.
 
     `current` is the control current in A that the E/P converter sees, `direction` the sign of the
-    stem's sliding (0: no dry friction acts). All from the equations of the components.
+    stem's sliding (0: no dry friction acts). All rates are from the equations of the components.
     """
     ambient = p.supply.temperature
     chamber = y[CHAMBER]

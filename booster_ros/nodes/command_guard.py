@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which current the positioner is driven with: commands checked, and what happens to stale ones."""
+"""The current that drives the positioner: commands are checked, stale ones held or vented."""
 
 import math
 from typing import NamedTuple
@@ -83,8 +83,8 @@ class CommandGuard:
         """
         Follow these rules from now on; return whether they limit the current in force.
 
-        It is limited whatever they say of bad commands: it was accepted, and none before it is
-        known to be within the new limits.
+        It is limited whatever the rules say of bad commands: it was accepted, and no command
+        before it is known to be within the new limits.
         """
         self.rules = rules
         before = self._current

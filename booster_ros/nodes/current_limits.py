@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which currents a positioner takes, as far as it says so."""
+"""Which currents a positioner follows, as far as its parameters tell."""
 
 from functools import partial
 from typing import Any
@@ -17,15 +17,15 @@ LIMITS = 'current_limits'
 
 
 PATIENCE = 3.0
-"""Real time, s, in which a node that can be asked for parameters has answered."""
+"""Real time, s, for which the answer of a node that is asked for its limits is awaited."""
 
 
 class CurrentLimits:
     """
     The limits of the positioners that were asked, by the names of their nodes.
 
-    None follows a command beyond its limits: what was sent then is not what drove it. A node
-    without the parameter takes whatever comes, for all that is known.
+    No positioner follows a command beyond its limits: what was sent is then not what drove it. A
+    node without the parameter follows any command, for all that is known.
     """
 
     def __init__(self, node: Node) -> None:
@@ -37,7 +37,7 @@ class CurrentLimits:
 
     def ask(self, name: str, now: float) -> None:
         """
-        Ask a node, once; to be called again and again, as its service may be found later.
+        Ask a node for its limits, once; call this repeatedly, as its service may be found later.
 
         `now` is the real time, s.
         """
@@ -51,17 +51,17 @@ class CurrentLimits:
             answer.add_done_callback(partial(self._on_answer, name))
 
     def awaited(self, now: float) -> bool:
-        """Tell whether a node may still answer, at this real time, s."""
+        """Tell whether a node that was asked may still answer; `now` is the real time, s."""
         return any(now - since < PATIENCE for since in self._awaited_since.values())
 
     def take(self, name: str, value: Any) -> None:
-        """Take note of what a node has for limits, A; of anything else but two numbers, nothing."""
+        """Keep the limits of a node, A; a value that is not two numbers is ignored."""
         limits = np.asarray(value)
         if limits.shape == (2,) and limits.dtype.kind in 'fi':
             self._limits[name] = float(limits[0]), float(limits[1])
 
     def complaint(self, current: float) -> str:
-        """Return that a current (A) is beyond what one of them takes, '' where it is not."""
+        """Return the sentence on a current (A) beyond the limits of one of them, '' for none."""
         for name, (low, high) in self._limits.items():
             if not low <= current <= high:
                 return (f'{current:g} A is outside the {LIMITS} of {name}, {low:g} to {high:g} A: '

@@ -43,7 +43,7 @@ def declare_table(
 
     `checked` returns one value in the kind that is declared, `check` all of them together. The node
     must have been made with `automatically_declare_parameters_from_overrides`, which shows all that
-    it was given, misspelt names as well. ParameterError before any is declared.
+    it was given, misspelt names as well. ParameterError is raised before any is declared.
     """
     given = {
         name: node.get_parameter(name).value
@@ -84,7 +84,7 @@ class ParameterWatch:
 
     A change that does not fit the other parameters is refused with the reason, and nothing of it
     is kept. After one that fits, `changed` is called with all parameters, checked together.
-    Numbers are taken as they come: `400000` and `9e9` (which arrives as a text) for a float.
+    A float may be given as any number: as `400000`, or as `9e9`, which arrives as a text.
     """
 
     def __init__(self, node: Node, changed: Callable[[Parameters], None]) -> None:
@@ -123,7 +123,8 @@ def _as_declared(parameter: Parameter) -> Parameter:
     """
     Return the parameter with its numbers as floats where floats are declared.
 
-    What is neither a number nor, for a single one, text of one is left to the type check.
+    A value that is no number (nor, where a single float is declared, the text of one) is left to
+    the type check.
     """
     description = ALL_DESCRIPTIONS.get(parameter.name)
     if description is None:
@@ -145,7 +146,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """Return arrays, as rclpy holds them, as lists."""
+    """Return a value, an array of rclpy's as a list."""
     return list(value) if hasattr(value, '__len__') and not isinstance(value, str) else value
 
 
@@ -153,7 +154,7 @@ def effective_values(parameters: dict[str, Any]) -> str:
     """
     Return the values in force for people to read, a line for each component of the model.
 
-    Those of effects only where they are other than by default.
+    Parameters of effects appear only where they differ from their defaults.
     """
     lines: dict[str, list[str]] = {}
     for name, description in ALL_DESCRIPTIONS.items():
@@ -189,7 +190,7 @@ def check_files(
     """
     Check what parameter files on a command line hold for the node of this full name.
 
-    The node is told values only; here ParameterError can say in which file and line one stands.
+    The node is told values only; here ParameterError can say in which file and line each stands.
     """
     for path in files_on(arguments):
         for section in read_sections(path):

@@ -33,7 +33,7 @@ class Report(NamedTuple):
 
 
 class ClockState(NamedTuple):
-    """How the node's clock is: which it is, and what was seen of it since the last report."""
+    """State of the node's clock: which it is, and what was seen of it since the last report."""
 
     follows_clock_topic: bool
     started: bool
@@ -45,7 +45,7 @@ class ClockState(NamedTuple):
 
 
 class Loss(NamedTuple):
-    """That the state of the model was lost: it is not finite any more, and stays so."""
+    """The loss of the model's state: it is no longer finite, and stays so."""
 
     moment: int
     """Simulated time, ns, of the tick that could not be published."""
@@ -61,7 +61,7 @@ class Loss(NamedTuple):
 
 
 def time_report(clock: ClockState, ticks: TickClock, late_before: int) -> Report:
-    """Report on the clock and on late ticks; `late_before` were known at the last report."""
+    """Report on the clock and late ticks; `late_before` of these were known at the last report."""
     level, message = OK, 'on time'
     late = ticks.late_ticks - late_before
     if clock.follows_clock_topic and not clock.started:
@@ -96,7 +96,7 @@ def simulation_report(loss: Loss | None) -> Report:
 
 
 def command_report(guard: CommandGuard, bad_before: int) -> Report:
-    """Report on the command in force; `bad_before` were bad at the last report."""
+    """Report on the command in force; `bad_before` bad ones were known at the last report."""
     level, message = OK, 'in force'
     bad = guard.bad - bad_before
     if bad > 0:

@@ -60,7 +60,7 @@ QUEUE_DEPTH = 10
 LOOK_PERIOD = 0.05
 WATCH_PERIOD = 1.0
 SETTLING = 0.5
-"""A topic just found delivers at once what had waited; the profile begins when that is over."""
+"""Seconds before the profile begins, in which a topic just found delivers what had waited."""
 
 DELIVERY_TIMEOUT = Duration(seconds=3)
 
@@ -69,7 +69,7 @@ class FakeController(Node):
     """Plays a profile on the node's clock; ParameterError for bad parameters."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
-        """Check everything; `arguments` is the command line, for warnings only."""
+        """Check everything; `arguments` is the command line, for the parameter files on it."""
         super().__init__('fake_controller', automatically_declare_parameters_from_overrides=True)
         check_files(arguments, self.get_fully_qualified_name(), checked)
         self._settings: ControllerSettings = declare_table(
@@ -169,8 +169,8 @@ class FakeController(Node):
                 f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}')
 
     def _ask_limits(self, now: float) -> None:
-        """Ask who answers the commands, where more is wanted of it than to hear them."""
-        if self._needed() and not self._settings.lockstep:  # which asks for more at a time
+        """Ask the positioners for their limits, where their outputs are needed."""
+        if self._needed() and not self._settings.lockstep:  # lockstep asks for more at a time
             for name in self._feedback.publishers():
                 self._limits.ask(name, now)
 
@@ -183,12 +183,12 @@ class FakeController(Node):
         if needed:
             found += [f'nobody publishes {name}' for name in self._feedback.missing_topics()]
             found += [f'several publish {name}' for name in self._feedback.crowded_topics()]
-        if not self._settings.lockstep:  # there it comes when it is asked for
+        if not self._settings.lockstep:  # there an output comes when it is asked for
             found += [f'no {name} has come' for name in needed if name not in self._come]
         return found
 
     def _needed(self) -> tuple[str, ...]:
-        """Return the outputs that what is to be done cannot do without."""
+        """Return the outputs of the positioner that the run cannot do without."""
         settings = self._settings
         if settings.record_csv or settings.record_bag or settings.lockstep:
             return OUTPUTS
@@ -202,7 +202,7 @@ class FakeController(Node):
         self._enter(PLAYING)
 
     def send(self, played: float, stamp: int) -> None:
-        """Send the command for so many seconds after the start, at a stamp in ns."""
+        """Send the command for `played` seconds after the start, at a stamp in ns."""
         self._played = played
         self._current = self._command.current(played, self._position)
         self._check_limits()
@@ -212,7 +212,7 @@ class FakeController(Node):
         self._progress.show(played)
 
     def _check_limits(self) -> None:
-        """Complain of a current that is not followed; of a record it would make a false one."""
+        """Complain of a current that is not followed; raise if it would falsify a record."""
         complaint = self._limits.complaint(self._current)
         if complaint and self._recording.paths:
             raise ParameterError(f'{complaint}, so that it cannot be recorded')

@@ -3,8 +3,9 @@
 """
 When commands are sent: tick by tick, with a paused positioner that is advanced by its services.
 
-Nothing depends on how fast messages travel: a step is asked for when the command has been received,
-and the next command is sent when the outputs of that step are here.
+Nothing depends on how fast messages travel: a step is asked for when the command has been sent,
+the positioner takes waiting commands before it steps, and the next command is sent when the
+outputs of that step are here.
 """
 
 import math
@@ -27,7 +28,7 @@ PATIENCE = 5.0
 """Seconds of real time after which a positioner that does not answer is given up."""
 
 QUIET = 0.2
-"""Seconds in which the last messages of a positioner that was just paused arrive."""
+"""Seconds to wait for the last messages of a positioner that was just paused."""
 
 
 class Lockstep:
@@ -60,7 +61,7 @@ class Lockstep:
         """
         Return the services that nobody offers.
 
-        Those of the parameters as well: they may be found later, and what is asked before is lost.
+        Those of the parameters count too: they may be found later, and a request before is lost.
         """
         missing = [
             client.srv_name for client in (self._pause, self._reset, self._step)
@@ -88,7 +89,7 @@ class Lockstep:
         return stamp
 
     def left_behind(self) -> str:
-        """Return that the positioner stays paused: an ended context calls no service."""
+        """Return the sentence that it stays paused, as an ended context calls no service."""
         if self._stays_paused or not self._answers:
             return ''
         service = self._node.resolve_service_name(self._pause.srv_name)
@@ -141,7 +142,7 @@ class Lockstep:
             raise ParameterError(f'lockstep: {client.srv_name}: {response.message}')
 
     async def _outputs(self, count: int) -> None:
-        """Wait until so many of each output have arrived."""
+        """Wait until `count` of each output have arrived."""
         self._awaited = count
         if not self._has_arrived():
             self._arrival = Future(executor=self._node.executor)

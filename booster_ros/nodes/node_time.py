@@ -15,7 +15,7 @@ class NodeTime:
     The time that ticks are counted on.
 
     On wall time that is a steady clock: the system's clock may be set while the node runs, and
-    would take simulated time with it. Stamps of messages are the node's clock in any case.
+    would take simulated time with it. Messages are stamped by the node's clock in any case.
     """
 
     def __init__(self, node: Node) -> None:
@@ -45,8 +45,8 @@ class NodeTime:
         Return what to add to a time of this clock to get the node's clock, ns.
 
         The two clocks cannot be read at once. The offset changes only where two readings of one
-        around a reading of the other rule the old one out, so that stamps are as even as ticks
-        and do not step back where the process was held up between readings.
+        clock, around a reading of the other, rule the old offset out. So stamps are as even as
+        ticks and do not step back where the process was held up between readings.
         """
         if self.follows_clock_topic:
             return 0

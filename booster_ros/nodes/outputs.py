@@ -32,8 +32,8 @@ def quiet_publisher(node: Node, kind: type, topic: str) -> Publisher:
     """
     Return a publisher that does not watch for subscriptions whose QoS does not fit.
 
-    Each watch is one more thing that the executor asks about at every tick, and what is reliable
-    and volatile fits all but exotic subscriptions.
+    Each watch is one more thing that the executor asks about at every tick, and a reliable,
+    volatile publisher fits all but exotic subscriptions.
     """
     return node.create_publisher(
         kind, topic, QUEUE_DEPTH,

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""When commands are sent: as time goes by."""
+"""When commands are sent: one per period of the clock."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -14,8 +14,9 @@ PHASE = 0.25
 """
 Where between two samples of the positioner a command is sent, as a share of the period.
 
-Well after a sample, even if that was late, and well before the next one, so that there is no doubt
-from which sample on it counts; and nearer to the sample before, which is how bags are read.
+It is sent well after a sample, even a late one, and well before the next, so that there is no
+doubt from which sample on it counts; and nearer to the sample before, to whose row the reader of a
+bag gives it.
 """
 
 
@@ -30,7 +31,7 @@ class Player(Protocol):
         """Take note that the profile begins at this stamp, ns."""
 
     def send(self, played: float, stamp: int) -> None:
-        """Send the command for so many seconds after the start, at a stamp in ns."""
+        """Send the command for `played` seconds after the start, at a stamp in ns."""
 
     def finish(self) -> None:
         """Take note that the profile is over."""
@@ -43,16 +44,20 @@ class Pace(Protocol):
     """Calls a player when it is time."""
 
     def missing(self) -> list[str]:
-        """Return what is not there yet of what is needed to play."""
+        """Return what is needed to play and still missing."""
 
     def begin(self, player: Player, last_sample: int) -> None:
-        """Play from now on; the last sample of the positioner had this stamp (ns), 0 if none."""
+        """Play from now on; `last_sample` is the stamp (ns) of the last sample, 0 if none came."""
 
     def stamp(self, column: str, received: int) -> int | None:
-        """Return the stamp (ns) of an output that came with one, None if it is not recorded."""
+        """
+        Return the stamp (ns) under which to record an output, None if it is not recorded.
+
+        `received` is the stamp (ns) that it came with.
+        """
 
     def left_behind(self) -> str:
-        """Return what the positioner is left in if playing ends now, '' where that is nothing."""
+        """Return the sentence on the state in which ending now leaves the positioner, or ''."""
 
 
 class RealTime:

@@ -117,7 +117,7 @@ class Positioner(Node):
             self._timer.cancel()
 
     def _begin(self) -> None:
-        """Owe nothing for the past. Simulated time shows 0 until something comes on /clock."""
+        """Owe no ticks for the past. Simulated time shows 0 until something comes on /clock."""
         now = self._time.now()
         self._started = now > 0
         self._ticks.start(now)
@@ -168,7 +168,7 @@ class Positioner(Node):
             self._publish(moment + stamp_offset)
 
     def _publish(self, stamp: int) -> None:
-        """Publish what there is now, at this time of the node's clock; say so if it is nothing."""
+        """Publish the outputs, at this time of the node's clock; report a state that is lost."""
         if not self._outputs.publish(self._plant, stamp):
             self._loss = Loss(self._ticks.simulated, self.resolve_service_name('~/reset'))
             self.get_logger().error(str(self._loss))
@@ -262,10 +262,10 @@ class Positioner(Node):
 
     def _take_waiting_commands(self) -> None:
         """
-        Take over what has arrived before the request to step, or to forget it in a reset.
+        Take over the commands that came before a request, for a step to use or a reset to forget.
 
         The executor asks for waiting messages before it asks for requests: a command and a request
-        that both arrive between the two would be handled in the wrong order.
+        that both arrive between these two would be handled in the wrong order.
         """
         waiting = self._commands.handle
         with waiting:

@@ -45,7 +45,7 @@ def run(
     _pass_hangups_on()
     try:
         for path in files_on(arguments):
-            read_sections(path)  # what rcl says of a bad file is no sentence
+            read_sections(path)  # complains in a sentence, as rcl does not
         argparse.ArgumentParser(
             prog=name, description=description, epilog=f'{_EPILOG}{name} {example}',
             formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -100,8 +100,8 @@ def _pass_hangups_on() -> None:
     """
     Let SIGHUP, which a terminal sends as it closes, do from now on what SIGTERM does.
 
-    rclpy has no handler for it, and one of Python's would not run before the spinning wakes: a
-    thread is woken in its place. Where it is ignored, as under nohup, it stays so.
+    rclpy has no handler for SIGHUP, and one of Python's would not run before the spinning wakes: a
+    thread is woken instead. Where SIGHUP is ignored, as under nohup, it stays so.
     """
     if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:
         return

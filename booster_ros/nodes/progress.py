@@ -26,11 +26,11 @@ class Progress:
         self._bar = _bar(duration) if sys.stderr.isatty() else None
 
     def show(self, played: float) -> None:
-        """Show that so many seconds have been played."""
+        """Show that `played` seconds have been played."""
         if self._bar is not None:
             self._bar.update(min(played, self._duration) - self._bar.n)
         elif played >= self._next_line:
-            # half a nanosecond: 22.0 // 4.4 is 4, and the fifth line would come twice
+            # half a nanosecond more, as 22.0 // 4.4 is 4: the fifth line would come twice
             self._next_line = ((played + 5e-10) // self._period + 1.0) * self._period
             if math.isfinite(self._duration):
                 share = min(played / self._duration, 1.0)
@@ -39,7 +39,7 @@ class Progress:
                 self._logger.info(f'{played:.0f} s played')
 
     def close(self) -> None:
-        """Leave the line of the bar."""
+        """Close the bar, so that what follows begins on a new line."""
         if self._bar is not None:
             self._bar.close()
 

@@ -26,7 +26,7 @@ from .tick_clock import TickClock
 
 
 class Condition(NamedTuple):
-    """What a positioner knows of itself: whether it was paused by service, what it has lost."""
+    """What a positioner knows of itself: whether a service paused it, and what it has lost."""
 
     paused: bool
     loss: Loss | None
@@ -51,7 +51,7 @@ class Reporter:
         self._clock_reported = -1
 
     def report_regularly(self) -> None:
-        """Report, and from now on on what has been since."""
+        """Report; later reports count what has come since this one."""
         self.report()
         self._late_reported = self._ticks.late_ticks
         self._bad_reported = self._guard.bad

@@ -1,14 +1,14 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a positioner has fallen silent: it was killed, say, and its topics are still known."""
+"""Whether a positioner has fallen silent: one that was killed, say, whose topics stay known."""
 
 LONG = 1.0
 LONGER = 3.0
-"""Silent is who has not been heard for so many seconds and so many times the longest pause yet."""
+"""Nothing heard for `LONG` seconds plus `LONGER` times the longest pause so far is silence."""
 
 
 class Silence:
-    """Judges by real time, in seconds, as a positioner at a low rate has long pauses of its own."""
+    """Judges by real time, s, and by the longest pause so far: at a low rate pauses are long."""
 
     def __init__(self, now: float) -> None:
         self._heard = now

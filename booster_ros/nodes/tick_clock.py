@@ -48,7 +48,7 @@ class TickClock:
         self.backward_jumps = 0
         """How often the clock jumped backwards."""
         self.longest_delay = 0
-        """How long after it was due a tick ran at worst, ns."""
+        """Longest time from when a tick was due to when it ran, ns."""
         self.jump = 0
         """By how much, ns, the clock had jumped at the last call of `due`; 0 for no jump."""
         self.backlog = 0

@@ -37,7 +37,7 @@ def read_parameter_file(path: str | Path, node: str = 'positioner') -> Parameter
     The last section that is for the node counts, as in ROS 2: `/**` below a node's own section
     overrides it. ParameterError (one sentence naming file, line and parameter) for a file that
     cannot be read, misspelt or unknown names, wrong kinds, ranges and contradictions, and when
-    nothing in it is for the node, or not all of it for one node of that name.
+    no section is for the node, or the sections are for more than one node of that name.
     """
     values: dict[str, Any] = {}
     for section in _sections_for(path, read_sections(path), node):
@@ -104,9 +104,9 @@ def write_parameter_file(
     """
     Write a parameter file for any positioner node, complete or not at all.
 
-    It holds every parameter of the declared model, of the effects those that have other values
-    than by default or a comment, and those of `node`, the node's own. `heading` becomes the comment
-    above, `comments` (by dotted name) stand behind the units.
+    It holds every parameter of the declared model, those parameters of effects that have a comment
+    or a value other than by default, and those of `node`, the node's own. `heading` becomes the
+    comment above, `comments` (by dotted name) stand behind the units.
     """
     path = Path(path)
     descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
@@ -148,7 +148,7 @@ def parameter_text(
 def _entries(
     parameters: PositionerParameters, comments: Mapping[str, str], node: Mapping[str, Any],
 ) -> Iterator[tuple[str, Any, Description]]:
-    """Yield name, value and description of what a file holds, what has no component first."""
+    """Yield name, value and description of what a file holds, parameters of no component first."""
     for name in sorted(node, key=lambda name: name.count('.')):
         yield name, node[name], NODE_DESCRIPTIONS[name]
     for name, value in to_values(parameters).items():
@@ -158,7 +158,7 @@ def _entries(
 
 
 def _number(value: Any) -> float:
-    """Return a number, numpy's or Python's, as one that ROS 2 reads: 0 for what is next to it."""
+    """Return a number, numpy's or Python's, as one that ROS 2 reads: 0 for sizes below `LEAST`."""
     return float(value) if abs(value) >= LEAST else 0.0
 
 

@@ -22,7 +22,7 @@ _NOT_FINITE = re.compile(
     r'|(?i:nan(?:\([0-9a-z_]*\))?))|\.(?:nan|NaN|NAN)')
 
 LEAST = sys.float_info.min
-"""What is smaller, and not 0, is out of range for strtod, and so no number to rcl."""
+"""Least size of a number but 0: a smaller one is out of range for strtod, and no number to rcl."""
 
 _LOWEST_WHOLE, _HIGHEST_WHOLE = -2**63, 2**63 - 1
 

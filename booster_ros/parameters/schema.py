@@ -70,7 +70,7 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
 """The node's own parameters by name."""
 
 READ_ONLY = frozenset({'publish_rate', 'integration_step', 'start_paused'})
-"""Parameters that have their value for the life of the node."""
+"""Parameters that keep their value for the life of the node."""
 
 ALL_DESCRIPTIONS: dict[str, Description] = {**NODE_DESCRIPTIONS, **DESCRIPTIONS}
 """Every parameter that a parameter file may hold for the positioner."""
@@ -84,7 +84,7 @@ ROS_PREFIX = 'qos_overrides.'
 _NANOSECOND = 1e-9
 
 _LATE = 1.0
-"""Seconds that a timer is not late where nothing is wrong, however long a tick is."""
+"""Seconds by which no timer is late where nothing is wrong, however long a tick is."""
 
 
 class InitialState(NamedTuple):

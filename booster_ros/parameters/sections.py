@@ -86,9 +86,10 @@ def read_sections(path: str | Path) -> list[Section]:
 
 def _in_order(sections: list[Section]) -> list[Section]:
     """
-    Return the sections as rcl has them override each other: as they stand in the file.
+    Return the sections in the order in which rcl lets later ones override earlier ones.
 
-    Those whose names are written alike are one to rcl, which stands where the first of them does.
+    It is the order of the file; but sections whose names are written alike are one to rcl, which
+    stands where the first of them does.
     """
     names = [section.written for section in sections]
     return sorted(sections, key=lambda section: names.index(section.written))

@@ -4,8 +4,8 @@
 The programs: arguments in, files and sentences out.
 
 They put whole simulations side by side on the cores. Threads of the linear algebra beneath them
-would wait for each other on those cores instead, so it gets one, unless the user set another
-number; that is read when numpy is first imported, and this package comes before.
+would wait for each other on those cores, so it gets one thread, unless the user set another
+number. That number is read when numpy is first imported, and this package is imported before.
 """
 
 import os

@@ -156,7 +156,7 @@ def _seconds(text: str) -> float:
 def _experiments(
     options: argparse.Namespace, declared: PositionerParameters
 ) -> list[tuple[Record, Experiment, tuple[str, ...]]]:
-    """Return the record, also as an experiment with its notes, then the other one if given."""
+    """Return the record with its experiment and notes, then those of the other one if given."""
     records = [
         read_record(path, dict(options.topics), options.stamps) for path in _given(options)]
     if options.dwell and all('time' in record for record in records):
@@ -167,7 +167,7 @@ def _experiments(
 
 
 def _tell_notes(options: argparse.Namespace, notes: Sequence[Sequence[str]]) -> None:
-    """Print what each record was taken for before minutes go into it; the report has it as well."""
+    """Print the notes on each record before minutes go into it; the report has them as well."""
     for path, sentences in zip(_given(options), notes, strict=True):
         for sentence in sentences:
             print(f'{_legible(path)}: {sentence}', file=sys.stderr, flush=True)
@@ -179,7 +179,7 @@ def _given(options: argparse.Namespace) -> list[Path]:
 
 
 def _useless(option: str, purpose: str, options: argparse.Namespace) -> str:
-    """Return the sentence about an option that nothing which was given is for."""
+    """Return the sentence about an option that fits none of the records given."""
     names = [_legible(path) for path in _given(options)]
     verb = 'is' if len(names) == 1 else 'are'
     return f'{option} is for {purpose}, and {" and ".join(names)} {verb} none'
@@ -187,7 +187,7 @@ def _useless(option: str, purpose: str, options: argparse.Namespace) -> str:
 
 @contextmanager
 def _progress(check: Callable[[], None]) -> Iterator[Callable[[str, float], None]]:
-    """Yield what checks and takes a phrase and the share done to a bar, silent unless watched."""
+    """Yield a function that calls `check` and shows phrase and share done in a terminal's bar."""
     form = '{percentage:3.0f}% |{bar}| {elapsed} {desc}'
     with ProgressBar(total=1.0, bar_format=form, disable=None, leave=False) as bar:
         def tell(phrase: str, share: float) -> None:
@@ -210,12 +210,12 @@ def _output_folder(out: Path) -> Iterator[Path]:
     if not nearest.is_dir():
         raise RecordError(f'{nearest}: is not a folder')
     work = nearest / f'.close_loop.{os.getpid()}'
-    try:  # from before it exists: an interruption may come the moment it does
-        shutil.rmtree(work, ignore_errors=True)  # of a process of the same number that was killed
+    try:  # before the folder exists: an interruption may come the moment it does
+        shutil.rmtree(work, ignore_errors=True)  # left by a killed process of this number
         work.mkdir()
         yield work
         out.mkdir(parents=True, exist_ok=True)
-        ignore_interruptions()  # of a result all files are new, or none is
+        ignore_interruptions()  # the files of a result are all new, or none is
         for name in WRITTEN:
             os.replace(work / name, out / name)
     finally:
@@ -233,7 +233,7 @@ def _check_paths(options: argparse.Namespace) -> None:
 
 
 def _check_options(options: argparse.Namespace) -> None:
-    """Raise RecordError where what is asked of a bag, or of a calibration, is asked of nothing."""
+    """Raise RecordError for an option of a bag, or of --calibrate, where there is none."""
     if options.seed is not None and not options.calibrate:
         raise RecordError('--seed is for --calibrate, which was not given')
     asked = {'--topics': options.topics, '--stamps header': options.stamps == 'header'}

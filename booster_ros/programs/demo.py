@@ -30,13 +30,13 @@ from .path_argument import given_path
 from .ros_domain import claim_domain
 
 TICKS_PER_SECOND = 200
-"""A command waits for the next tick: at the default 100 Hz that is up to 1.9 % of the ISE."""
+"""Rate of the positioner: at the default 100 Hz the wait for a tick is up to 1.9 % of the ISE."""
 
 LONGEST_DELAY = 0.1
-"""A response that begins later than this was held up on its way: it takes 0.06 s, s."""
+"""Longest delay of a response, s: usually 0.06 s; a later one was held up on its way."""
 
 GLANCE = 0.5
-"""How often it is looked whether an interruption has come, s."""
+"""Time from one look for an interruption to the next, s."""
 
 PATIENCE = 10.0
 """How long a process may take to end when it is told to, s."""
@@ -141,8 +141,8 @@ def ended(process: subprocess.Popen[bytes]) -> int:
     """
     Return the exit status of a process once it has ended.
 
-    KeyboardInterrupt comes out even where the signal was delivered to a thread of a library, which
-    does not wake a process that waits without end.
+    KeyboardInterrupt comes out even where the signal was delivered to a thread of a library: that
+    does not wake a wait without end.
     """
     with kept_interruption() as check:
         while True:

@@ -16,14 +16,15 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 @contextmanager
 def kept_interruption() -> Iterator[Callable[[], None]]:
     """
-    Yield what raises KeyboardInterrupt where one has come and has not ended the block.
+    Yield a function that raises KeyboardInterrupt if one has come and has not ended the block.
 
     SIGINT raises KeyboardInterrupt in whatever Python code runs next. Where that is a callback
     of a weak reference (the import of a module has one), a finaliser or a callback from C, the
     interpreter prints the exception and goes on: who pressed Ctrl-C would wait for the end.
-    SIGTERM and SIGHUP, which would end the process where it stands, do the same once, so that what
-    is half written is removed. A terminal that closes may send several. SIGHUP that is ignored, as
-    under nohup, stays so. Outside the main thread, which alone is given signals, nothing is kept.
+    SIGTERM and SIGHUP, which would end the process where it stands, raise it too, so that what is
+    half written is removed; but only once, as a terminal that closes may send several. SIGHUP that
+    is ignored, as under nohup, stays so. Outside the main thread, which alone is given signals,
+    nothing is kept.
     """
     came = threading.Event()
 

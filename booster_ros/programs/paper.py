@@ -23,10 +23,10 @@ from .compiling import announce_compilation
 from .path_argument import given_path
 
 SEED = 20170
-"""Of the noise on the simulated records: the same numbers at every run."""
+"""Seed of the noise on the simulated records: the same numbers at every run."""
 
 WRONG_GAIN, WRONG_AREA = 0.6, 1.6
-"""The identification starts this far from the truth."""
+"""Factors on the true gain and area at which the identification starts."""
 
 PRINTED_GAIN, PRINTED_AREA = 2.75e-6, 1.45e-6
 """k in m²/N (printed 0.275e-11 m²/(Pa mm²)) and Max in m², section III."""

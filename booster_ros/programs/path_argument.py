@@ -10,8 +10,8 @@ def given_path(text: str) -> Path:
     """
     Return the path, for argparse.
 
-    ArgumentTypeError where it is empty: pathlib takes that for the current folder, and whoever
-    gives it has a variable that is not set.
+    ArgumentTypeError where it is empty: pathlib takes that for the current folder, but it comes
+    from a variable that is not set.
     """
     if not text:
         raise ArgumentTypeError("'' is no path")

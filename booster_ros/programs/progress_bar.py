@@ -11,8 +11,8 @@ class ProgressBar(tqdm):
     """
     Tqdm's bar without its thread, which watches bars that are seldom updated.
 
-    Interrupted at the moment in which it starts that thread, a program waited for it for ever
-    instead of ending.
+    A program that was interrupted at the moment in which the bar starts that thread waited for the
+    thread for ever instead of ending.
     """
 
     monitor_interval = 0

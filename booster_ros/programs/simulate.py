@@ -89,19 +89,19 @@ def run(
     """
     Simulate `source` into `target` in portions, so that memory stays flat however long it is.
 
-    RecordError where either cannot be read or written, ParameterError where the model gets lost;
-    `target` is then left as it was, and where `check`, which is called between portions, raises.
-    To be called in `kept_interruption`.
+    RecordError where either cannot be read or written, ParameterError where the model has no
+    solution. `target` is then left as it was, as it is where `check` raises, which is called
+    between portions. Call this in `kept_interruption`.
     """
     with (
-        # first in, last out: what is half written is removed before a portion is waited for
+        # entered first, left last: what is half written is removed before a portion is waited for
         ThreadPoolExecutor(1) as worker,
         _progress(source) as bar,
         CsvWriter(target, tuple(OUTPUT)) as writer,
     ):
         begin, current, initial = _first_row(source)
         state, departure = start_of_readings(parameters, 0.0, current, initial)
-        # what warms up or swings does so from where the record begins
+        # what depends on time (drift, ripple) begins where the record begins
         stream = Stream(parameters, 0.0, current, state, departure=departure)
         ahead: tuple[np.ndarray, Future[dict[str, np.ndarray]]] | None = None
         for time, currents in _portions(source):

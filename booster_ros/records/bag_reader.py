@@ -162,7 +162,8 @@ def _header_stamps(samples: Mapping[Channel, _Samples], source: str) -> dict[Cha
     """
     Return the header stamps, and the time of recording of topics whose messages have none.
 
-    That is the same clock, late by the transport, unless the bag was recorded against another one.
+    The time of recording is of the same clock, late by the transport, unless the bag was recorded
+    against another clock.
     """
     stamped = {channel: sample for channel, sample in samples.items() if sample.header.size}
     if not stamped:

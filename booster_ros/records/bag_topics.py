@@ -29,7 +29,7 @@ def _gauge_pressure(message: Any, channel: Channel) -> float:
 
 
 def _joint_position(message: Any, channel: Channel) -> float | None:
-    """Return the position of the joint asked for, or of the only one; None where it is not in."""
+    """Return the position of the joint asked for, or of the only one; None if it is not there."""
     if channel.element:
         named = channel.element in message.name
         return float(message.position[message.name.index(channel.element)]) if named else None
@@ -39,7 +39,7 @@ def _joint_position(message: Any, channel: Channel) -> float | None:
 
 
 def several_names(channel: Channel, names: Iterable[str]) -> RecordError:
-    """Return what to raise where a topic names several things and none was asked for."""
+    """Return the error to raise where a topic names several things and none was asked for."""
     return RecordError(
         f'topic {channel.topic} names {", ".join(names) or "nothing"}; '
         f'say which is {channel.column}, as in {channel.column}={channel.topic}:NAME'
@@ -47,7 +47,7 @@ def several_names(channel: Channel, names: Iterable[str]) -> RecordError:
 
 
 def _state(message: Any, channel: Channel) -> float:
-    """Return a value of the positioner's state, which names its fields and writes numbers out."""
+    """Return a value of the positioner's state: named fields, their numbers written as text."""
     for status in message.status:
         for entry in status.values:
             if entry.key == channel.element:
@@ -64,7 +64,7 @@ READERS: Mapping[str, Callable[[Any, Channel], float | None]] = {
     'sensor_msgs/msg/JointState': _joint_position,
     STATE_TYPE: _state,
 }
-"""How to read a value from a message, by message type; None where it is not in this one."""
+"""Function that reads a value from a message, by message type; None if the message lacks it."""
 
 _STAMPED = ('sensor_msgs/msg/FluidPressure', 'sensor_msgs/msg/JointState')
 _SUFFIX = '_stamped'
@@ -83,8 +83,9 @@ def choose_channels(
 
     A topic belongs to the column it is called after, in whatever namespace, with or without
     `_stamped`. Where both are there, bag time prefers the plain type and header time the stamped
-    one. What has no topic of its own is taken from the state of the positioner, where there is
-    one. RecordError where two namespaces offer a column, or a topic asked for cannot be read.
+    one. A column without a topic of its own is taken from the state of the positioner, where there
+    is one such topic. RecordError where two namespaces offer a column, or a topic asked for cannot
+    be read.
     """
     wanted = dict(topics or {})
     for column in wanted:

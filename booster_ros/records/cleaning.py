@@ -39,7 +39,8 @@ def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...
         check_pressure_scale(name, values, rows, source)
     if 'time' in columns:
         columns, rows, mended = _clean_time(columns, rows, source)
-        columns, dropped = drop_empty_columns(columns, rows, source)  # of rows without a time
+        # those whose only values were in rows without a time
+        columns, dropped = drop_empty_columns(columns, rows, source)
         found += mended + dropped
     held = hold_command(columns, rows)
     found += held
@@ -97,7 +98,7 @@ def _drop_duplicated_stamps(
     """
     Keep the last of rows with one stamp: it was the newest when the next stamp came.
 
-    What it lacks is taken from the others: one stamp may be a row for each channel.
+    Values that it lacks are taken from the others: one stamp may have a row for each channel.
     """
     steps = np.diff(columns['time'])
     repeated = np.append(steps == 0.0, False)
@@ -176,10 +177,10 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
     """
     Take out values of a single row that no valve can have gone to and come back from.
 
-    They are far from both neighbours, which are like each other, by the range of the signal, its
-    noise and its steps; where the command ran on straight, by its noise and what is usual. Where
-    there are many they are the signal; a flow has such peaks, and rows without time need not be in
-    any order.
+    They are far from both neighbours, which are like each other. How far is judged by the range of
+    the signal, its noise and its steps; where the command ran on straight, by noise, steps and
+    what is usual. Where there are many such values they are the signal. A flow has such peaks, and
+    rows without time need not be in any order: both are left as they are.
     """
     values = columns[name]
     if name not in _WITHOUT_PEAKS or 'time' not in columns or len(values) < _FEWEST_ROWS:
@@ -204,7 +205,7 @@ def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, l
 
 
 def _runs_on(current: Array | None) -> Array | bool:
-    """Return of each row but the first and last whether the command ran on straight through it."""
+    """Return for each row but the first and last whether the command ran straight through it."""
     if current is None:
         return False
     bend = _away(current)

@@ -1,13 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Refuse a time that no clock shows that was left alone while it recorded."""
+"""Refuse times that a clock does not show unless it was set during the recording."""
 
 import numpy as np
 
 from booster_ros.records.record import Array, RecordError
 
 _CLOCK_SET = 1e6
-"""Rows further apart than this, s, are as where a clock was set: no valve is simulated across."""
+"""Longest step of time, s: beyond it a clock was set, and no valve is simulated across that."""
 
 
 def check_clock(time: Array, rows: Array, source: str) -> None:

@@ -1,10 +1,11 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-From numbers to the lines of a CSV, the very bytes of Python's `%.3f`, many rows at once.
+Turn numbers into lines of a CSV, many rows at once, with the very bytes of Python's `%.3f`.
 
 Digits are taken four at a time from a table, for all rows of a block together; Python formats the
-few numbers that lie so near to the middle of two last digits that a product cannot tell.
+few numbers that lie so near to the middle between two last digits that the product with a power of
+ten cannot tell which is nearer.
 """
 
 from collections.abc import Sequence
@@ -15,16 +16,16 @@ from booster_ros.records.record import Array
 
 _BLOCK_ROWS = 4096
 _LARGEST = 2.0**50
-"""Multiples of the last digit up to which the nearest whole number can be told."""
+"""Size, in units of the last digit, below which the nearest whole number can be told."""
 
 _FOUR_DIGITS = np.frombuffer(b''.join(b'%04d' % k for k in range(10_000)), dtype=np.uint32)
 
 
 def fixed_lines(values: Array, decimals: Sequence[int]) -> bytes | None:
     r"""
-    Return rows x columns of values as lines, each column with so many (1 to 15) decimals.
+    Return rows x columns of values as lines, each column with its `decimals`, 1 to 15.
 
-    None where a number is not finite or has more digits than this can do.
+    Return None where a number is not finite or has more digits than this can do.
 
     >>> fixed_lines(np.array([[1.5, -0.25], [10.0, 3.0]]), (1, 3))
     b'1.5,-0.250\n10.0,3.000\n'
@@ -47,7 +48,7 @@ def _lines(values: Array, scaled: Array, decimals: Sequence[int]) -> bytes:
 
 
 def _cell(values: Array, scaled: Array, places: int) -> tuple[Array, Array]:
-    """Return the characters of a column, rows x width with a line's end, and which are shown."""
+    """Return the characters of a column, rows x width with a line feed, and which are shown."""
     numbers = np.abs(_rounded(values, scaled, places))
     width = max(len(str(numbers.max())), places + 1)
     digits = _digits(numbers, width)

@@ -153,7 +153,7 @@ def _chunks(header: Header, file: BinaryIO, source: str) -> Iterator[Chunk]:
 def _check_time(
     chunk: Chunk, header: Header, before: tuple[Array, Array], source: str
 ) -> tuple[Array, Array]:
-    """Check the times of a chunk behind the last row and time before it; return its own last."""
+    """Check the times of a chunk behind the row and time `before` it; return the chunk's last."""
     time = chunk.values[:, header.names.index('time')]
     missing = np.flatnonzero(np.isnan(time))
     if missing.size:
@@ -161,7 +161,7 @@ def _check_time(
         raise RecordError(f'{source}, row {row}, column time: the time is missing')
     rows_before, time_before = before
     check_clock(np.append(time_before, time), np.append(rows_before, chunk.rows), source)
-    return chunk.rows[-1:].copy(), time[-1:].copy()  # not the chunk: memory stays flat
+    return chunk.rows[-1:].copy(), time[-1:].copy()  # not views of the chunk: memory stays flat
 
 
 def _decimals(column: str) -> int | None:
@@ -174,8 +174,8 @@ class CsvWriter:
     Writes a CSV record row by row.
 
     The file has a temporary name beside the wanted one until `close`; used in a `with`, an
-    exception discards it. A link is followed. RecordError where it cannot be written, or would take
-    the place of what is no file.
+    exception discards it. A link is followed. RecordError where the file cannot be written, or
+    would take the place of what is no file.
     """
 
     def __init__(self, path: str | os.PathLike[str], columns: Sequence[str]):
@@ -207,7 +207,7 @@ class CsvWriter:
             raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
 
     def spare(self) -> None:
-        """Leave a file that has the wanted name: take NAME.partial.csv instead, for good."""
+        """Keep a file that has the wanted name: write to NAME.partial.csv instead, for good."""
         if self._target.exists():
             name = f'{self._target.stem}.partial{self._target.suffix}'
             self._target = replaced_by(self._target.with_name(name))
@@ -226,7 +226,7 @@ class CsvWriter:
         """Remove what was written."""
         with suppress(OSError):  # a full disk takes not even the last of it
             self._file.close()
-        with suppress(OSError):  # what went wrong before is worth more than that this did too
+        with suppress(OSError):  # the first failure is worth more than this one
             self._unfinished.unlink(missing_ok=True)
 
     def __enter__(self) -> 'CsvWriter':

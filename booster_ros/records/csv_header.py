@@ -27,7 +27,7 @@ _TIME_IN_FIRST_PLACE = {
     'nanoseconds', 'nanos', 'nsec', 'nsecs', 'ns', 'sekunde', 'sekunden', 'sek', 'temps', 'heure',
     'tiempo', 'hora', 'tempo', 'ora', 'tijd', 'tid',
 }
-"""Words of a header that mean the time: wherever they stand in it, and where they begin it."""
+"""Words that mean the time: anywhere in the name of a column, and only where they begin it."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _normalised(cell: str) -> str:
 
 
 def _without_unit(cell: str, source: str) -> str:
-    """Return the name of a column without the unit behind it, which must be ours."""
+    """Return the name of a column without the unit behind it, which must be that in `COLUMNS`."""
     name = _normalised(cell)
     parts = re.fullmatch(r'(\w+?)_*[\[(](.*)[\])]', name)
     if parts is None or parts[1] not in COLUMNS:
@@ -120,7 +120,7 @@ def _ignored(cell: str, place: int) -> Defect:
 
 
 def _question(cell: str) -> str:
-    """Return whether a known column is meant that the name is close to, '' where it is to none."""
+    """Return the question whether a known column of a similar name is meant, '' without one."""
     near = difflib.get_close_matches(_normalised(cell), COLUMNS, n=1, cutoff=0.75)
     return f' (is it {near[0]}?)' if near else ''
 
@@ -129,8 +129,8 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
     """
     Refuse a time column under another name.
 
-    Ignoring it would turn a record in time into a quasi-static sweep. The name alone is asked: what
-    else a bench writes down, as the number of the row or a set point, may rise as evenly.
+    Ignoring it would turn a record in time into a quasi-static sweep. The name alone is judged:
+    other columns of a bench, as the number of the row or a set point, may rise as evenly.
     """
     for cell in cells:
         words = re.findall('[a-z]+', _normalised(cell))

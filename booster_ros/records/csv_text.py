@@ -1,7 +1,7 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-From the lines of a CSV to numbers.
+Turn the lines of a CSV into numbers.
 
 A block of clean lines is parsed at once. A block that has anything odd in it is read line by line,
 which is slower and knows the row and the column of what it cannot read.
@@ -62,7 +62,7 @@ def _parse_at_once(block: bytes, header: Header) -> Array | None:
 
 
 def _is_rectangular(block: bytes, header: Header) -> bool:
-    """Say whether every line has as many cells as the header; quotes go the slower way."""
+    """Tell whether every line has as many cells as the header; quotes take the slower way."""
     if b'"' in block or not block.strip():
         return False
     characters = np.frombuffer(block, dtype=np.uint8)

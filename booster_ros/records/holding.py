@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a series had last, or runs through, where it has no value."""
+"""Values for the rows of a series that have none: the last one before, or a straight line."""
 
 import numpy as np
 
@@ -8,21 +8,21 @@ Array = np.ndarray
 
 
 def last_known(values: Array) -> Array:
-    """Return for each row, shape (n,), the last one up to it that has a value, -1 for none."""
+    """Return for each row, shape (n,), the index of the last row up to it with a value, or -1."""
     return np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), -1))
 
 
 def held(values: Array, since: Array) -> Array:
     """
-    Return the values with the last one before in place of each that is missing.
+    Return the values, each missing one replaced by the last one before it.
 
-    `since` says of each row from which row on values count for it; shape (n,).
+    `since`, shape (n,), says for each row from which row on values count for it.
     """
     latest = last_known(values)
     return np.where(latest >= since, values[latest], np.nan)
 
 
 def bridged(time: Array, values: Array) -> Array:
-    """Return the values with a straight line across what is missing; one of them is known."""
+    """Return the values with a straight line across missing ones; at least one must be known."""
     known = np.isfinite(values)
     return np.interp(time, time[known], values[known])

@@ -49,7 +49,7 @@ MEASURED = ('chamber_pressure', 'valve_position', 'back_pressure', 'mass_flow', 
 """Sensor signals; `control_current` is a command and changes in steps."""
 
 UNKNOWN_COLUMN = 'unknown_column'
-"""Kind of the defect of a column that is none of a record."""
+"""Kind of the defect that a column is not one of `COLUMNS`."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Record:
 
     @property
     def ignored(self) -> tuple[str, ...]:
-        """Those of the notes that are on columns which are none of a record."""
+        """Those of the notes that are on columns not among `COLUMNS`."""
         return tuple(str(one) for one in self.defects if one.kind == UNKNOWN_COLUMN)
 
     def since(self, time: float) -> 'Record':

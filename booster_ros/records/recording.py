@@ -30,7 +30,7 @@ class Recording:
         self.rows = 0
         """Rows so far."""
         self.start = 0
-        """Where time is zero, ns."""
+        """Stamp at which time is zero, ns."""
         self._topics = topics
         self._builder = RowBuilder()
         self._waiting: list[Row] = []
@@ -67,9 +67,9 @@ class Recording:
 
     def close_early(self) -> None:
         """
-        Complete the files as far as they got, in the place of none that is there.
+        Complete the files as far as they got, without replacing any that is there.
 
-        The CSV then takes the name `CsvWriter.spare` says; without any row nothing is left.
+        The CSV then takes the name that `CsvWriter.spare` says; without any row nothing is left.
         """
         self._add(self._builder.rest())
         if not self.rows:

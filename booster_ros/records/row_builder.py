@@ -18,7 +18,7 @@ OUTPUTS = ('chamber_pressure', 'valve_position')
 
 _PERIOD_WEIGHT = 0.1
 _NEAR = 0.75
-"""Share of a period within which outputs are of one sample: one is late more often than lost."""
+"""Share of a period within which outputs are of one sample: they are late more often than lost."""
 
 _LONGEST_WAIT = 4
 """Samples after which a message is taken for lost."""
@@ -44,7 +44,7 @@ class _Sample:
 
 
 class RowBuilder:
-    """Collects commands and outputs with their times; each of them comes in order of time."""
+    """Collects commands and outputs with their times; each series comes in order of time."""
 
     def __init__(self) -> None:
         self._commands: deque[tuple[float, float]] = deque()

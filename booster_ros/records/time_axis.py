@@ -9,13 +9,13 @@ GAP_PERIODS = 5.0
 
 RECURRING = 0.95
 """
-Quantile of the steps that is the period instead where it would be a gap: what comes again and again
-is no gap, but the pause between rows that are written in bursts.
+Quantile of the steps that is the period, not the median, where it would be a gap: a step that
+comes again and again is no gap, but the pause between rows that are written in bursts.
 """
 
 
 def longest_usual(steps: np.ndarray) -> float:
-    """Return the step of time, s, beyond which one of these, shape (n,), is a gap."""
+    """Return the step of time, s, beyond which one of these `steps`, shape (n,), is a gap."""
     middle, recurring = np.quantile(steps, [0.5, RECURRING])
     return GAP_PERIODS * float(recurring if recurring > GAP_PERIODS * middle else middle)
 

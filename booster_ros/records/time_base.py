@@ -22,7 +22,7 @@ SLOPE_SAMPLES = 2
 """Samples on either side over which a slope is taken: it adds 3 % to the noise at the most."""
 
 MIDDLE = 0.2
-"""Samples this near the middle between two rows, in rows, go to the first of them."""
+"""By how much, in rows, the later of two rows must be nearer to a sample to get it."""
 
 
 @dataclass(frozen=True)
@@ -64,14 +64,15 @@ def carried(signal: Signal, time: Array) -> Array:
     """
     Return each sample in the row nearest to it, at that row's time; NaN in rows without one.
 
-    A sample further from every row than rows are from each other is in a gap of theirs, and lost.
+    A sample further from every row than rows usually are from each other is in a gap between rows,
+    and lost.
     """
     values = np.full(time.size, np.nan)
     if time.size < 2:
         return values
     after = np.searchsorted(time, signal.time).clip(1, time.size - 1)
     usual = np.median(np.diff(time))
-    # half way between two rows it is the first of them, or by jitter every other sample were lost
+    # half way between two rows a sample goes to the first, or jitter would lose every other one
     nearer = time[after] - signal.time < signal.time - time[after - 1] - MIDDLE * usual
     row = after - 1 + nearer
     ahead = time[row] - signal.time
@@ -101,7 +102,7 @@ def _middles(time: Array) -> Array:
 
 
 def _reference(signals: Mapping[str, Signal]) -> str:
-    """Return the measured signal with the most samples; the most downstream ones come first."""
+    """Return the measured signal with the most samples; of equals the first in `MEASURED`."""
     measured = [name for name in MEASURED if name in signals] or list(signals)
     return max(measured, key=lambda name: signals[name].time.size)
 

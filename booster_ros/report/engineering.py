@@ -48,7 +48,7 @@ def scale_of(unit: str) -> Scale:
 
 
 def side_by_side(unit: str, values: Iterable[float]) -> Scale:
-    """Return the one unit in which people compare these values in SI, from least to most."""
+    """Return the one unit in which people compare all of these values, which are in SI."""
     sizes = [abs(value) for value in values if math.isfinite(value) and value != 0.0]
     if sizes and unit == 'm' and min(sizes) < _SMALL_LENGTH and max(sizes) < _READ_IN_MICROMETRES:
         return Scale('µm', 1e6)

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the models miss a record by, in sentences."""
+"""Sentences on how much the models miss a record by."""
 
 from collections.abc import Mapping
 import math
@@ -14,18 +14,18 @@ from booster_ros.report.engineering import Scale, digits_apart, number, side_by_
 from booster_ros.report.names import channel_label, channel_listing, listing
 
 WORSE = 1.05
-"""Ratio of two errors from which one counts as larger: from which data not fitted speak against
-what was added, say."""
+"""Ratio of two errors beyond which one counts as larger: beyond it, say, data that were not fitted
+speak against what was added."""
 
 CONFIRMED = 0.9
-"""Where something is missing, error after, relative to before, up to which what was added has a
-share in that."""
+"""Ratio of the error after to the error before, where something is missing, below which what was
+added has a share in that."""
 
 FAR_OFF = 3.0
-"""Tolerances from which a declared parameter is far from what it was expected to be."""
+"""Tolerances beyond which a declared parameter is far from what it was expected to be."""
 
 FEW = 25
-"""Values of a channel in the locked part below which their number is said."""
+"""Values of a channel in the locked part below which the report says how few there are."""
 
 
 def error_scale(error: ChannelError) -> Scale:
@@ -59,13 +59,13 @@ def meets_all(diagnosis: Diagnosis) -> bool:
 
 
 def unseen(diagnosis: Diagnosis) -> str:
-    """Return what the locked part is: where it has decided, it has been seen."""
+    """Return the words for the locked part, which has been seen where it decided the verdict."""
     return 'that nothing was fitted to, but that had a say in the verdict' if diagnosis.decided \
         else 'that no step of this analysis had seen'
 
 
 def left_in(errors: Mapping[str, ChannelError], compared: bool = False) -> list[str]:
-    """Return how much is left in each channel in which that is more than noise."""
+    """Return phrases on how much is left in each channel that leaves more than noise."""
     return [_in_noises(name, e, e.after)
             + (f' ({number(e.before / e.noise, 2)} without it)' if compared else '')
             for name, e in errors.items() if not e.met]
@@ -84,7 +84,7 @@ def sentence_on_misses(diagnosis: Diagnosis) -> str:
 
 
 def sentences_on_gain(diagnosis: Diagnosis) -> list[str]:
-    """Return what the error comes to with what was added, and what speaks against that."""
+    """Return what the error comes to with what was added, and what speaks against the addition."""
     errors = judged(diagnosis)
     changes = listing([
         f'{channel_label(name)} from {error_scale(e).text(e.before)} to '
@@ -101,7 +101,7 @@ def sentences_on_gain(diagnosis: Diagnosis) -> list[str]:
 
 
 def sentences_on_tolerances(diagnosis: Diagnosis) -> list[str]:
-    """Return what would have to be so if nothing is missing, where the record allows that."""
+    """Return which parameters would be far off if nothing is missing, where that may be so."""
     everywhere = (*judged(diagnosis).values(), *scored(diagnosis.error).values())
     if any(error.before > WORSE * max(error.after, error.noise) for error in everywhere):
         return []
@@ -126,7 +126,7 @@ def sentences_on_rest(diagnosis: Diagnosis) -> list[str]:
 
 
 def sentences_on_left_open(diagnosis: Diagnosis) -> list[str]:
-    """Return how much of what the locked part is missed by this record leaves open."""
+    """Return how much of the error in the locked part is due to what this record leaves open."""
     return _of_what_is_open(judged(diagnosis), diagnosis, 'the fitted part of this record')
 
 
@@ -166,7 +166,7 @@ def _beyond(errors: Mapping[str, ChannelError]) -> str:
 
 
 def _with_values(errors: Mapping[str, ChannelError], diagnosis: Diagnosis) -> str:
-    """Return which parameters would have to be what for that, where single ones do most of it."""
+    """Return the values of single parameters that make most of what is left open, if any do."""
     values = {one: value for e in errors.values() for one, value in e.mostly.items()}
     now = {one.name: one for one in diagnosis.refitted}
     changes = [f'{name} at {scale.text(value, digits)} instead of {scale.text(after, digits)}'
@@ -225,7 +225,7 @@ def _where(diagnosis: Diagnosis) -> str:
 
 
 def _how_few(diagnosis: Diagnosis) -> str:
-    """Return how little there is in the locked part, where it is; of a sweep each row is much."""
+    """Return how few values the locked part has, if they are few; in a sweep each row is much."""
     experiment = diagnosis.experiment
     locked = rows_of(list(diagnosis.segments), ('test',), len(experiment.time))
     values = max(int(np.isfinite(measured[locked]).sum())

@@ -28,8 +28,8 @@ def best_explanation(residual: Array, variables: Mapping[str, Array]) -> Explana
     """
     Return the variable over which the residual has the clearest mean curve (correlation ratio).
 
-    None where no variable explains a share that is worth a picture.
-    A picture's axis, not a test: which effect it is has been decided by fits, not by this.
+    Return None where no variable explains a share that is worth a picture. The variable is for the
+    axis of a picture, not a test: which effect it is has been decided by fits.
     """
     found = [Explanation(name, explained_share(residual, values))
              for name, values in variables.items()]
@@ -38,7 +38,7 @@ def best_explanation(residual: Array, variables: Mapping[str, Array]) -> Explana
 
 
 def explained_share(residual: Array, variable: Array) -> float:
-    """Return the share of variance between bins of equally many rows; NaN where it is constant."""
+    """Return the share of variance between bins of equally many rows; NaN if one is constant."""
     known = np.isfinite(residual) & np.isfinite(variable)
     residual, variable = residual[known], variable[known]
     if len(residual) < 3 * _ROWS_PER_BIN or np.ptp(variable) == 0.0 or np.ptp(residual) == 0.0:

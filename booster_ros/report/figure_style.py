@@ -62,7 +62,7 @@ _COLUMNS = 750
 
 @contextmanager
 def styled(salt: str = '') -> Iterator[None]:
-    """Let figures be made, and their ids be derived from `salt`, in the style of the report."""
+    """Give figures made within the style of the report, and ids derived from `salt`."""
     with rc_context({**_STYLE, 'svg.hashsalt': salt}):
         yield
 
@@ -73,7 +73,7 @@ def blank(height: float) -> Figure:
 
 
 def svg(figure: Figure, name: str) -> str:
-    """Return a figure as an SVG element whose ids do not meet those of other figures."""
+    """Return a figure as an SVG element whose ids do not clash with those of other figures."""
     text = io.StringIO()
     with styled(name):
         figure.savefig(text, format='svg', dpi=144, metadata={'Date': None, 'Creator': None})

@@ -229,12 +229,12 @@ def unknown_term(view: View, term: UnknownTerm) -> Figure:
 
 
 def noise_band(axes: Axes, view: View, name: str) -> None:
-    """Shade what noise fills of a residual."""
+    """Shade the part of a residual that noise fills, twice its level to either side."""
     level = 2.0 * view.noise(name)
     axes.axhspan(-level, level, color=NOISE, alpha=0.22, linewidth=0, label='± 2 × noise')
     axes.axhline(0.0, color=NOISE, linewidth=0.6)
 
 
 def residual_label(axes: Axes, name: str) -> None:
-    """Say at the y axis whose residual it is."""
+    """Label the y axis with the channel that the residual is of."""
     axes.set_ylabel(f'{channel_label(name)}:\nmeasured − model, {scale(name).unit}')

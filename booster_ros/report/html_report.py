@@ -155,7 +155,7 @@ def _explaining(view: View, name: str) -> str | None:
         return unknown.variable
     states = {variable: view.states[variable] for variable in VARIABLES}
     if view.diagnosis.experiment.quasi_static:
-        # over its driver a sweep has been shown, and nothing in it has a velocity
+        # a sweep has been shown over its driver already, and nothing in it has a velocity
         states = {v: x for v, x in states.items() if v not in (view.driver, 'stem_velocity')}
     found = best_explanation(view.residual(view.stages[0], name), states)
     return found.variable if found else None

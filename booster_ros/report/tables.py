@@ -61,23 +61,23 @@ def effect_table(effect: FoundEffect) -> str:
 
 
 def _parameter_cell(name: str) -> str:
-    """Return a parameter's name, of which [n] is an element, above what it means."""
+    """Return a cell with a parameter's name ([n] for an element of it) above its meaning."""
     description = DESCRIPTIONS.get(name.split('[')[0])
     meaning = escape(description.meaning.split(': ', 1)[-1]) if description else ''
     return f'<td><code>{escape(name)}</code><small>{meaning}</small></td>'
 
 
 def _both_units(scale: Scale, value: float, unit: str, digits: int) -> str:
-    """Return a value as people read it above that in SI, where they differ."""
+    """Return a cell with a value as people read it, above the value in SI where they differ."""
     text, physics = scale.text(value, digits), si_text(value, unit, digits)
     return number_cell(text, '' if text == physics else physics)
 
 
 def shown_suspects(diagnosis: Diagnosis) -> tuple[Suspect, ...]:
     """
-    Return what is reported, then the best of the models that were tried by their misfit.
+    Return the choice, then the best of the models that were tried, by their misfit.
 
-    Others of those, and the declared model, wherever they rank.
+    The model of the reported effects and the declared model are among them wherever they rank.
     """
     reported = {tuple(effect.name for effect in diagnosis.effects), ()}
     ranked = sorted(diagnosis.suspects, key=lambda one: (

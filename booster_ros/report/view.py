@@ -81,12 +81,12 @@ class View:
         return tuple(name for name in drives if np.ptp(self.drive(name)[1:]) > 0.0) or drives
 
     def drive(self, name: str) -> Array:
-        """Return a driving channel, NaN where a row was read before it, in engineering units."""
+        """Return a driving channel in engineering units; a sweep's current is NaN in its row 0."""
         experiment = self.diagnosis.experiment
         if name != 'control_current':
             return experiment.pinned[name] * scale(name).factor
         current = experiment.current
-        if experiment.quasi_static:  # a row of a sweep is read after the current before it
+        if experiment.quasi_static:  # a sweep's row was read at the end of the current before it
             current = np.append(np.nan, current[:-1])
         return current * scale(name).factor
 
@@ -114,7 +114,7 @@ class View:
 
 VARIABLES = ('control_current', 'back_pressure', 'supply_pressure', 'booster_force', 'mass_flow',
              'chamber_pressure', 'valve_position', 'stem_velocity')
-"""What a residual is tried to be explained by; over time it is shown anyhow."""
+"""Variables by which a residual may be explained; over time it is shown in any case."""
 
 
 def scale(name: str) -> Scale:

@@ -24,10 +24,10 @@ SCALING = (
 )
 
 LOUD = 0.05
-"""Share of its range from which the noise of a channel is worth a word where nothing was found."""
+"""Noise of a channel, as a share of its range, that is worth a word where nothing was found."""
 
 SEVERAL = 4.0
-"""Mean square left, in that of the noise, from which one changed parameter alone is not all."""
+"""Mean square left, relative to the noise's, beyond which more than one parameter has changed."""
 
 
 def with_what_was_added(diagnosis: Diagnosis) -> str:
@@ -68,7 +68,8 @@ def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
     """
     Return what follows the headline.
 
-    Meaning, gain and what speaks against it, what it may be instead, the other record, false adds.
+    That is the meaning, the gain and what speaks against it, what it may be instead, how the other
+    record does, and the false adds.
     """
     sentences = [*_sentences(diagnosis), *sentences_on_other_record(diagnosis)]
     return [*sentences, _calibration(diagnosis.false_add)] if diagnosis.false_add else sentences

@@ -18,18 +18,19 @@ Array = np.ndarray
 
 LONGEST_INTERVAL = 0.1
 """
-Rows further apart than this, s, are divided unless measured drives run between them: what happens
-there is smooth.
+Intervals between rows are divided no further than this, s, unless measured drives run between
+them: what happens there is smooth.
 """
 
 THINNED_TOLERANCE = 3.0
 """
-Multiplies the solver's tolerance where rows are thinned: an error of 1 Pa and 0.03 um, far below
-any noise, at two thirds of the time.
+Factor on the solver's tolerance where rows are thinned: it makes an error of 1 Pa and 0.03 um, far
+below any noise, at two thirds of the time.
 """
 
 ARRIVED = 0.05
-"""Share of the time for which a row of a sweep is dwelt on, after which its drives are there."""
+"""Share of the time for which a row of a sweep is dwelt on, after which its drives have
+arrived."""
 
 OUTPUT_OF = {
     'back_pressure': 'back_pressure',
@@ -46,7 +47,7 @@ UNITS = {'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass_flow': 'kg/s',
 
 @dataclass(frozen=True)
 class Initial:
-    """Where the model starts: departures from the first row that a fit may turn."""
+    """Where the model starts; a fit may turn its departures from the first row."""
 
     chamber_pressure: float
     departure: Departure = CENTRED
@@ -56,7 +57,7 @@ class Initial:
 @dataclass(frozen=True)
 class DriveNoise:
     """
-    Noise of a measured drive: its level (unit of the drive), a sample in how many rows.
+    Noise of a measured drive: its level (unit of the drive), and rows from sample to sample.
 
     `correlation` is the AR(1) coefficient from sample to sample.
     """
@@ -77,13 +78,13 @@ class Experiment:
     """
     A record made ready: arrays of shape (n,), SI units.
 
-    `current` drives the E/P converter from each row to the next: it stands, or, where there are
-    `ends`, runs straight to where its row ends. `pinned` channels drive what is downstream of them
+    `current` drives the E/P converter from each row to the next: it stands or, where there are
+    `ends`, runs straight to its value in these. `pinned` channels drive what is downstream of them
     instead of the model's own states; `measured` channels are compared, NaN where a row does not
-    count; `noise` is the standard deviation of each measured channel, `drive_noise` that of the
-    pinned ones, where it counts. A `quasi_static` experiment is a sweep without a clock: its time
-    only counts rows; any other's counts from `begins`, s in the record's clock. `notes` say what
-    was left out and assumed; `tolerance` multiplies that of the solver.
+    count; `noise` is the standard deviation of each measured channel's noise, `drive_noise` the
+    noise of the pinned ones, where it counts. A `quasi_static` experiment is a sweep without a
+    clock: its time only counts rows. The time of any other counts from `begins`, s in the record's
+    clock. `notes` say what was left out and assumed; `tolerance` multiplies that of the solver.
     """
 
     time: Array
@@ -116,7 +117,7 @@ class Experiment:
         return 'mass_flow' in self.measured and 'chamber_pressure' in self.pinned
 
     def shaken(self, noise: Mapping[str, DriveNoise], rng: np.random.Generator) -> 'Experiment':
-        """Return this experiment with such noise added to its measured drives."""
+        """Return this experiment with draws of this noise added to its measured drives."""
         shaken = {name: self.pinned[name] + one.draw(len(self.time), rng)
                   for name, one in noise.items()}
         return replace(self, pinned=self.pinned | shaken)
@@ -139,14 +140,14 @@ class Experiment:
                           run.final_state)
 
     def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:
-        """Return time, standing current and measured drives to simulate, and where rows are."""
+        """Return time, standing current and measured drives to simulate, and where rows lie."""
         if self.quasi_static and self.pinned and 'chamber_pressure' not in self.pinned:
             return self._dwelt_on()
         if self.ends is None:
             return self.time, self.current, self.pinned, slice(None)
         steps = np.diff(self.time)
         parts = max(1, int(np.ceil(float(np.median(steps)) / LONGEST_INTERVAL)))
-        share = (np.arange(parts) + 0.5) / parts  # of a part the middle counts
+        share = (np.arange(parts) + 0.5) / parts  # the middle of each part counts
         way = self.ends - self.current
         current = (self.current[:-1, None] + np.outer(way[:-1], share)).ravel()
         time = (self.time[:-1, None] + np.outer(steps, np.arange(parts) / parts)).ravel()
@@ -174,16 +175,16 @@ class Experiment:
         """
         Return this experiment with fewer rows, and which rows those are.
 
-        Rows at which a drive jumps are kept, between them one of every `factor` stays; the
-        current that stands between two of them is the mean of what it was, and a measured pressure
-        that drives is the mean of the rows around: single ones would make its noise slower, and
-        more of it would reach the chamber.
+        Rows at which a drive jumps are kept, and one of every `factor` between them. The current
+        that stands between two kept rows is the mean of what it was, and a measured pressure that
+        drives is the mean of the rows around a kept one: single rows would make its noise slower,
+        and more of it would reach the chamber.
         """
         size = len(self.time)
         keep = np.zeros(size, dtype=bool)
         keep[self._one_of_every(factor)] = True
         keep[[0, -1]] = True
-        # of what runs straight from one row to the next the row before a jump counts too
+        # where a drive runs straight from row to row, the row before a jump counts too
         standing, running = (0, 1, 2), (-1, 0, 1, 2)
         around = [np.add.outer(_jumps(self.current), standing if self.ends is None else running)]
         around += [np.add.outer(_jumps(values), running)
@@ -202,7 +203,7 @@ class Experiment:
         return thin, kept
 
     def _one_of_every(self, factor: int) -> Array:
-        """Return a row of every `factor`: where channels have no value, one that has most."""
+        """Return a row of every `factor`: where channels have no value, one in which most do."""
         regular = np.arange(0, len(self.time), factor)
         known = np.isfinite(list(self.measured.values()))
         if known.all():
@@ -231,7 +232,7 @@ def _means_around(values: Array, kept: Array) -> Array:
 
 
 def _jumps(drive: Array) -> Array:
-    """Return the rows to which a drive has come by far more than its usual step."""
+    """Return the rows that a drive has reached by a step far larger than usual."""
     step = np.abs(np.diff(drive))
     far = max(20.0 * float(np.median(step)), 1e-3 * float(np.ptp(drive)))
     return np.flatnonzero(step > far) + 1

@@ -5,7 +5,8 @@ The level of the measurement noise, from the record alone and never from fit res
 
 Differences of third order remove whatever moves slowly compared with the sampling; what remains is
 noise. For white noise of variance s² a third difference has variance 20 s². What moves faster than
-that, a stem that slips, is in them too; then the quietest pieces of the record tell.
+that, such as a stem that slips, is in them too; then the quietest pieces of the record tell the
+level.
 """
 
 import numpy as np
@@ -20,32 +21,36 @@ FEWEST_DIFFERENCES = 8
 PIECE = 100
 FEWEST_PIECES = 20
 QUIET = 0.1
-"""Rows in a piece of a record, pieces at the least, and the share of them that are the quietest."""
+"""Rows in a piece of a record, smallest number of pieces, and the share of them that are the
+quietest."""
 
 LOUD = 0.85
-"""Pieces are not alike if the quietest say less than this share of what all differences say."""
+"""Level that the quietest pieces tell, as a share of the level that all differences tell, below
+which pieces are not alike."""
 
 REPEATS = 0.2
-"""Share of rows that read as the row before, or as the end itself, from which a piece lies at an
-end of its sensor: finer steps than `FINE` repeat in less than half as many."""
+"""Share of the rows of a piece that read as the row before, or as the end itself, from which the
+piece lies at an end of its sensor: where steps are finer than `FINE`, less than half as many rows
+repeat the one before."""
 
 FINE = 0.3
-"""Steps up to this share of the noise move the median of differences by less than 5 %."""
+"""Step of a rounded signal, as a share of the noise, up to which it moves the median of
+differences by less than 5 %."""
 
 FROZEN = 8
-"""Rows in which a channel reads the same value, one after the other, from which it is frozen."""
+"""Number of successive rows that read the same value from which a channel is frozen."""
 
 FLICKERS = 0.16
-"""Variance of noise and rounding, in squares of a step, below which noise shows as flicker: there
-both ways of reading it come nearest to each other."""
+"""Variance of noise and rounding, in squares of a step, below which noise is read from its
+flicker: there both ways of reading it come nearest to each other."""
 
 
 def white_noise(signal: Array) -> float:
     """
     Return the standard deviation of the white noise on an evenly sampled signal (its unit).
 
-    Where most rows are empty, as of a channel slower than the others, of the rows it has. NaN where
-    there are too few.
+    Where most rows are empty, as in a channel slower than the others, only those with a value
+    count. NaN where there are too few.
     """
     signal = off_its_ends(_alive(signal))
     third = _third_differences(signal)
@@ -66,8 +71,9 @@ def _alive(signal: Array) -> Array:
     """
     Return the signal without values (NaN) where it reads the same again and again, shape (n,).
 
-    A sensor that freezes, or is cut off, shows no noise there, and what it shows elsewhere is that
-    of the channel. As it is where values repeat elsewhere as well, so that steps are coarse.
+    A sensor that freezes, or is cut off, shows no noise there, and the noise that it shows
+    elsewhere is that of the channel. The signal is returned as it is where values repeat elsewhere
+    as well, as then its steps are coarse.
     """
     known = np.flatnonzero(np.isfinite(signal))
     begins = np.append(True, np.diff(signal[known]) != 0.0)
@@ -87,8 +93,8 @@ def off_its_ends(signal: Array) -> Array:
     """
     Return the signal without values (NaN) in pieces in which its sensor is at an end, shape (n,).
 
-    What it cuts off there is noise: such a piece reads its lowest or highest value again and again.
-    The signal as it is where too few pieces are left.
+    The sensor cuts off noise there: such a piece reads the lowest or highest value again and
+    again. The signal is returned as it is where too few pieces would be left.
     """
     if not np.isfinite(signal).any():
         return signal
@@ -102,10 +108,10 @@ def off_its_ends(signal: Array) -> Array:
 
 def _noise_of_quiet_pieces(signal: Array) -> float:
     """
-    Return the noise of which the quietest pieces of the signal are those of white noise.
+    Return the level of white noise whose quietest pieces are as quiet as those of the signal.
 
-    Pieces that lie at an end of the sensor do not count: what is cut off there is noise. Infinite
-    where there are too few.
+    Pieces that lie at an end of the sensor do not count, as noise is cut off there. Infinite where
+    there are too few pieces.
     """
     known = signal[np.isfinite(signal)]
     pieces = known[:len(known) // PIECE * PIECE].reshape(-1, PIECE)
@@ -127,7 +133,7 @@ def _third_differences(signal: Array) -> Array:
 
 
 def _spread(values: Array) -> float:
-    """Return the standard deviation of normal values, from half of them."""
+    """Return the standard deviation of normal values, from their median absolute deviation."""
     return _MAD_TO_SIGMA * float(np.median(np.abs(values - np.median(values))))
 
 
@@ -144,7 +150,7 @@ def noise_level(signal: Array) -> float:
     """
     Return the noise of a channel, with what its resolution adds (step / sqrt(12) at the least).
 
-    0 for one that stands still or has too few rows to tell.
+    0 for one that stands still; where too few rows tell the noise, only what its resolution adds.
     """
     step, level = resolution(signal), white_noise(signal)
     if step > FINE * level or not np.isfinite(level):
@@ -158,9 +164,9 @@ def _rounded_noise(signal: Array, step: float) -> float:
 
     Differences of such a signal are multiples of the step as well, and so is their median. A dither
     of one step, whose variance is known, takes that away (Wannamaker et al., 2000). Where the noise
-    is well below a step most rows are rounded alike and it shows as flicker where the signal
-    passes from one value to the next: of a signal anywhere between them, noise s leaves the
-    variance step * s / sqrt(pi).
+    is well below a step, most rows are rounded alike, and the noise shows as flicker where the
+    signal passes from one value to the next: on a signal anywhere between two values, noise s
+    leaves the variance step * s / sqrt(pi).
     """
     least = step**2 / 12.0
     third = _third_differences(signal)

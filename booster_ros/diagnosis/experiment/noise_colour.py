@@ -3,14 +3,14 @@
 """
 The colour of the measurement noise: how much of it carries over from one row to the next.
 
-It is taken where every drive has stood still for long enough, in pieces of about a second with a
-cubic removed from each, never from residuals of a fit: what moves slower than a piece is the
-valve, what is faster is noise. The noise is a first-order autoregression whose coefficient is the
-one that would give, after the same cubics, the lag-one share that was seen. Without rests, where
-that share is small or no more than chance, where the further lags do not fade as it says (a
-ripple), what is new in each row is heavy-tailed (a valve that hunts goes in slips) or most pieces
-hold more than the quietest by far (it hunts in them), noise is white and of the level that
-high-frequency differences give.
+The colour is taken where every drive has stood still for long enough, in pieces of about a second
+with a cubic removed from each, never from residuals of a fit: what moves slower than a piece is
+the valve, what is faster is noise. The noise is a first-order autoregression. Its coefficient is
+the one that would give, with the same cubics removed, the lag-one share that was seen. Noise is
+white, of the level that high-frequency differences give, in each of these cases: there are no
+rests; that share is small or no more than chance; the further lags do not fade as it says (a
+ripple); what is new in each row is heavy-tailed (a valve that hunts goes in slips); most pieces
+hold far more than the quietest (the valve hunts in them).
 """
 
 from collections.abc import Sequence
@@ -29,36 +29,38 @@ from booster_ros.diagnosis.experiment.noise import (
 Array = np.ndarray
 
 SETTLING = 3.0
-"""A drive has stood still for so long, s, before a rest begins: a chamber fills in seconds."""
+"""Time that a drive has stood still before a rest begins, s: a chamber fills in seconds."""
 
 PIECE = 1.0
 FEWEST_ROWS, MOST_ROWS = 32, 500
-"""Length of a piece of a rest, s, and its rows at the least and at the most: what is reckoned with
-the covariance of a piece takes their cube."""
+"""Length of a piece of a rest, s, and the smallest and largest number of its rows: what is
+reckoned with the covariance of a piece takes the cube of this number."""
 
 FEWEST_PIECES = 12
 """With fewer pieces noise is taken as white."""
 
 STILL = 6.0
 STILL_SHARE = 1e-3
-"""Range of a drive at rest: in standard deviations of what is white of its noise, of means over a
-piece (of coloured noise these vary as much), and at least this share of its range over the record.
-"""
+"""Largest range of a drive at rest. It is STILL standard deviations of the white part of its
+noise, for means over a piece (means of coloured noise vary as much), but at least the share
+STILL_SHARE of the drive's range over the record."""
 
 DISTURBED = 2.0
 """Variance of a piece, relative to the median piece, above which the valve has moved in it."""
 
 USUAL, ROUNDS = 0.995, 4
-"""Or above this quantile of pieces of noise of the colour found, if that is more; found in so many
-rounds, as it hangs on which pieces count."""
+"""Quantile of the variance of pieces of noise of the colour found, which counts instead of
+DISTURBED if it is more; and number of rounds in which the colour is found, as it hangs on which
+pieces count."""
 
 CHANCE = 3.0
 SMALL = 0.1
-"""Standard errors, and the value, that the coefficient must exceed to count."""
+"""Number of standard errors, and value, both of which the coefficient must exceed to count."""
 
 LAGS = 10
 FADING = 0.1
-"""Rows of lag over which noise must fade as a first-order autoregression, and how nearly."""
+"""Number of lags, in rows, over which noise must fade as a first-order autoregression does, and
+how nearly."""
 
 HEAVY_TAILED = 1.0
 """Excess kurtosis from which what is new in each row is no noise: a Gaussian has 0."""
@@ -66,8 +68,9 @@ HEAVY_TAILED = 1.0
 QUIETEST = 0.1
 UNEQUAL = 0.6
 DRAWN = 400
-"""Share of the pieces that are the quietest, and how their variance is to the median piece's, in
-multiples of what it is in so many drawn ones, below which a valve moves in most."""
+"""Share of the pieces that are the quietest; ratio of their variance to the median piece's, as a
+multiple of the same ratio in drawn pieces, below which the valve moves in most pieces; and number
+of drawn pieces."""
 
 _RANGE = (-0.95, 0.99)
 
@@ -77,7 +80,7 @@ class Noise:
     """
     Noise of a channel: standard deviation and resolution in its unit, AR(1) coefficient by row.
 
-    The level holds what rounding to the resolution adds; a resolution of 0 is none.
+    The level includes what rounding to the resolution adds; a resolution of 0 is no rounding.
     """
 
     level: float
@@ -110,7 +113,7 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
     removed = np.eye(rows) - curves @ curves.T
 
     def expected(coefficient: float) -> Array:
-        """Return the covariances by lag that are left of noise of variance 1."""
+        """Return the covariances by lag that cubics leave of noise of variance 1."""
         covariance = removed @ toeplitz(coefficient ** np.arange(rows)) @ removed
         return np.array([np.trace(covariance, lag) for lag in range(LAGS)]) / rows
 
@@ -121,7 +124,7 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
         if seen <= 0.0:
             return white
         shares = np.array([np.sum(left[:, lag:] * left[:, :rows - lag]) for lag in range(LAGS)])
-        shares /= seen * left.size  # rounding is white: it counts in no lag but none
+        shares /= seen * left.size  # rounding is white: it counts at lag 0 only
         shares[0] = 1.0
 
         def too_much(coefficient: float, carried: float = float(shares[1])) -> float:
@@ -133,7 +136,7 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
             coefficient = low if too_much(low) >= 0.0 else high
         else:
             coefficient = float(brentq(too_much, low, high, xtol=1e-4))
-        # of slow noise the pieces differ by much more than of white noise
+        # pieces of slow noise differ by much more than those of white noise
         by_chance = _variances(coefficient, removed)
         most = max(DISTURBED, float(np.quantile(by_chance, USUAL) / np.median(by_chance)))
     like_it = expected(coefficient)
@@ -147,14 +150,14 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
 
 
 def _hunts(variance: Array, coefficient: float, removed: Array) -> bool:
-    """Tell whether the variances of pieces differ more than those of such noise, less the cubic."""
+    """Tell whether the variances of pieces differ more than those of noise of this colour do."""
     by_chance = _variances(coefficient, removed)
     quiet, usual = (np.quantile(each, QUIETEST) / np.median(each) for each in (variance, by_chance))
     return bool(quiet < UNEQUAL * usual)
 
 
 def _variances(coefficient: float, removed: Array) -> Array:
-    """Return the variances of drawn pieces of such noise, less the cubic."""
+    """Return the variances of drawn pieces of noise of this colour, less a cubic each."""
     rows = len(removed)
     drawn = lfilter([1.0], [1.0, -coefficient],
                     np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
@@ -185,8 +188,8 @@ def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
 
 
 def _judged_by(drive: Array, rows: int) -> tuple[Array, float]:
-    """Return what tells whether a drive stands still, less its noise, and its range if it does."""
-    # not the noise level that counts resolution: levels of a stair are no resolution
+    """Return what tells whether a drive stands still, less its noise, and its most range then."""
+    # not `noise_level`, which counts resolution: levels of a stair are no resolution
     noise, least = np.nan_to_num(white_noise(drive)), STILL_SHARE * float(np.ptp(drive))
     if STILL * noise <= least:
         return drive, least

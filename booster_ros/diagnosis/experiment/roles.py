@@ -36,8 +36,9 @@ def roles(present: Collection[str], source: str, ignored: Sequence[str] = ()) ->
     """
     Return the roles of the columns present: the most upstream ones drive, the others are compared.
 
-    RecordError where nothing would be left to compare, or nothing says what moves the valve. It
-    ends with what is said of columns that were `ignored`: the one that lacks may be among them.
+    RecordError where nothing would be left to compare, or nothing says what moves the valve. Its
+    message ends with what is said of columns that were `ignored`: the one that is missing may be
+    among them.
     """
     timed = 'time' in present
     supply = tuple(name for name in ('supply_pressure',) if name in present)

@@ -23,16 +23,16 @@ LOCKED = 0.2
 """Share of a record that is locked, at its end."""
 
 FEWEST_ROWS = 4
-"""But no piece is of fewer rows, where rows are seconds apart."""
+"""Smallest number of rows of a segment, which counts where rows are seconds apart."""
 
 FEWEST = {'fit': 2, 'select': 2, 'test': 1}
 FINEST = 32
-"""Segments of each role that a record must have. A short one is cut into pieces shorter than these
-two times, by this factor at the most."""
+"""Smallest number of segments of each role in a record, and the largest factor by which a short
+record is cut into pieces shorter than SHORTEST and LONGEST for that."""
 
 SWEEP_ROWS = 2
 SWEEP_ROLES = ('fit', 'select', 'fit', 'test', 'fit', 'select', 'fit')
-"""Rows in a segment of a sweep without time, and what one after the other is for."""
+"""Rows in a segment of a sweep without time, and the roles of one segment after the other."""
 
 USED = ('fit', 'select')
 """The roles of all that is not locked."""
@@ -81,7 +81,7 @@ def split(time: Array, drive: Array) -> list[Segment]:
 
 
 def _clock_without_gaps(time: Array) -> Array:
-    """Return the time with nothing passing in gaps longer than a segment may be short."""
+    """Return the time as if none passed in gaps longer than SHORTEST."""
     after = gap_rows(time)
     after = after[time[after] - time[after - 1] > SHORTEST]
     if not len(after):
@@ -116,8 +116,8 @@ def split_sweep(rows: int) -> list[Segment]:
     """
     Cut a sweep without time into short segments of which every seventh is locked.
 
-    Interleaved, because each part of a sweep is a state of its own: one that was left out as a
-    whole could not be known from the others.
+    Roles are interleaved because each part of a sweep is a state of its own: a part that was left
+    out as a whole could not be known from the others.
     """
     edges = [*range(0, rows - SWEEP_ROWS + 1, SWEEP_ROWS), rows]
     return [Segment(first, last, SWEEP_ROLES[k % len(SWEEP_ROLES)])

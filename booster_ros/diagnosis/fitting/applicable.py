@@ -20,10 +20,11 @@ _NEED_A_CLOCK = {'dead_time', 'ep_drift', 'supply_ripple', 'heat_transfer', 'pos
                  'pressure_sensor_lag'}
 
 NEAR_BENCH_SET = 0.25
-"""Share of the bench set's range below it from which on a shifted spring might let the stem go."""
+"""Distance below the bench set, as a share of its range, within which a shifted spring might let
+the stem go."""
 
 _SENSED = {'position': 'valve_position', 'pressure': 'chamber_pressure'}
-"""The channel that an effect of a sensor shows in, by the first word of its name."""
+"""The channel that an effect of a sensor shows in, by the first word of the effect's name."""
 
 
 def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[str, ...]:
@@ -35,7 +36,7 @@ def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[
 
 
 def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
-    """Tell whether the stem was not seen and the pressure seen never comes near its bench set."""
+    """Tell whether no position was seen and the pressure seen never comes near the bench set."""
     pressure = experiment.measured.get('chamber_pressure')
     if pressure is None or 'valve_position' in experiment.measured:
         return False
@@ -59,7 +60,7 @@ def _shows(effect: Effect, experiment: Experiment) -> bool:
     commanded = 'control_current' in experiment.drives
     if effect.location == 'ep_converter':
         return commanded
-    # what is left is around the booster: it acts where something drives it and its flow counts
+    # effects left are around the booster: they act where something drives it and its flow counts
     driven = commanded or 'back_pressure' in experiment.pinned
     if effect.location == 'supply' and 'supply_pressure' in experiment.pinned:
         return False

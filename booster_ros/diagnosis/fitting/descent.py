@@ -3,13 +3,14 @@
 """
 Least squares where a Jacobian costs a simulation per variable.
 
-scipy's trust region reflective method, with a Jacobian that is formed anew as rarely as can be:
+scipy's trust region reflective method, with a Jacobian that is formed anew as rarely as can be.
+The Jacobian is
 
 1. formed by differences where the descent begins;
-2. after a step that it foresaw well, corrected by what the step showed: the smallest change that
-   agrees with it (Broyden's update); after another one, formed anew;
-3. formed anew where the descent ends with a corrected one, and gone on from there: an end is an end
-   if the slopes of that very place say so.
+2. after a step that it foresaw well, corrected by what the step showed: by the smallest change
+   that agrees with the step (Broyden's update). After any other step it is formed anew;
+3. formed anew where the descent ends with a corrected one, and the descent goes on from there: an
+   end is an end only if the slopes of that very place say so.
 
 C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Mathematics of
 Computation 19 (1965) 577-593.
@@ -26,26 +27,28 @@ Residuals = Callable[[Array], Array]
 Differences = Callable[[Array, Array, Array | None], Array]
 
 FORESEEN = 0.1
-"""A step was foreseen if it moved the residuals by what the Jacobian says but for this share."""
+"""Largest share of the residuals' change over a step that a Jacobian misses if it foresaw the
+step."""
 
 CONVERGED, SETTLED = 1e-4, 3e-6
 """
-Relative change of the cost, and of the variables, at which a descent ends: when models are
-compared, and for one that is handed on. 1e-4 of the squared errors of thousands of rows is as much
-as one or two standard deviations of a parameter that a record hardly shows, and another one may.
+Relative change of the cost, and of the variables, at which a descent ends: the first where models
+are compared, the second for a model that is handed on. 1e-4 of the squared errors of thousands of
+rows is as much as one or two standard deviations of a parameter that this record hardly shows, and
+another record may show.
 """
 
 NO_STEP = 1e-9
-"""Shorter ones are rounding, and say nothing of slopes."""
+"""Length below which steps are rounding, and say nothing of slopes."""
 
 _SHIFT = 5.0
-"""The first trust region is as large as the variables: shifted, so that a start near zero is not
-taken for a wish to move in small steps."""
+"""Shift that is added to all variables. The first trust region is as large as the variables, and
+without the shift a start near zero would be taken for a wish to move in small steps."""
 
 
 @dataclass(frozen=True)
 class Descent:
-    """Variables, cost (sum of squares) and Jacobian."""
+    """Where a descent ended: variables, cost (sum of squares) and Jacobian."""
 
     z: Array
     cost: float
@@ -97,11 +100,11 @@ class _Slopes:
 def descend(residuals: Residuals, differences: Differences, begin: Array, low: Array, high: Array,
             evaluations: int, converged: float = CONVERGED) -> Descent:
     """
-    Return where the sum of squared residuals is least between `low` and `high`, seen from `begin`.
+    Return where, downhill from `begin`, the squared residuals are least between `low` and `high`.
 
     `differences` forms a Jacobian from a place, the residuals there, and an earlier Jacobian or
-    None; `evaluations` are the most beside those that form Jacobians, `converged` is the relative
-    change at which it ends. Variables are of order one.
+    None; `evaluations` is the largest number of evaluations beside those that form Jacobians,
+    `converged` the relative change at which the descent ends. Variables are of order one.
     """
     slopes = _Slopes(lambda v: residuals(v - _SHIFT),
                      lambda v, r, before: differences(v - _SHIFT, r, before))
@@ -121,7 +124,7 @@ def descend(residuals: Residuals, differences: Differences, begin: Array, low: A
 
 def straight(q: Array, upper: Array, r: Array, room: tuple[Array, Array]) -> Array:
     """
-    Return the step within `room` (lower, upper) after which least is left by linear reckoning.
+    Return the step within `room` (lower, upper) that leaves least by linear reckoning.
 
     `q` and `upper` are the factors of the Jacobian, numpy.linalg.qr of it; `r` are the residuals.
     """

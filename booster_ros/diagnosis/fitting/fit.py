@@ -8,7 +8,7 @@ A fit minimises, over a vector of dimensionless variables z,
     sum over channels and marked rows ((measured - model(z)) / noise)²  +  sum (prior)²
 
 by bounded trust-region least squares (scipy), with the columns of the Jacobian simulated side by
-side: the compiled model gives up Python's lock.
+side: the compiled model releases Python's lock.
 """
 
 from collections.abc import Iterable
@@ -35,31 +35,33 @@ Array = np.ndarray
 DIFFERENCE = 2e-3
 VISIBLE, VISIBLE_THINNED, VISIBLE_THROUGH_SLIPS = 1.0, 10.0, 100.0
 """
-Steps of the Jacobian's differences in z: the first, and how far (norm of the scaled residuals'
-change) later ones go. Larger ones bend: where gain, offset and supply nearly do the same, what is
-left of their columns is wrong then, and a fit ends far from the end of their valley. Smaller ones
-drown in the solver's own error, which is larger on thinned rows; where the stem sticks, in a cost
-that is rough with when each slip comes: the third figure sees through that.
+Steps of the Jacobian's differences: DIFFERENCE is the first step in z, the others say how far
+later steps go (norm of the change of the scaled residuals) on all rows, on thinned rows, and where
+the stem sticks. Over larger steps columns bend: where gain, offset and supply nearly do the same,
+what is left of their columns is wrong then, and a fit ends far from the end of their valley.
+Smaller steps drown in the solver's own error, which is larger on thinned rows; where the stem
+sticks, in a cost that is rough with the timing of slips: the third figure sees through that.
 """
 
 UNSEEN = 1.0
-"""A size is not seen if the cost rises by no more without it."""
+"""Rise of the cost without a size, up to which the size is not seen."""
 
 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-5, 0.1
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
-"""Spread of the start around the experiment's: pressure in 100 Pa, back pressure in 500 Pa, places
-in the two plays, warmth of the chamber's air in 10 K, what was of late in 0.3 units of `past`."""
+"""Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
+pressure in 500 Pa, places in the two plays, warmth of the chamber's air in 10 K, what a term
+remembers in 0.3 units of `past`."""
 
 START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
 
 FAR = 1e3
-"""Scaled residual where the model cannot run; large, finite, flat: a fit turns away."""
+"""Scaled residual where the model cannot run: large, finite, flat, so that a fit turns away."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model: z of each freedom, parameters, start, and how well it does."""
+    """A fitted model: z, the parameters and the start at z, and how well it does."""
 
     freedoms: tuple[Free, ...]
     z: Array
@@ -70,7 +72,7 @@ class Fit:
 
     @property
     def seen(self) -> Array:
-        """Which variables, as they stand, move the scaled residuals by more than the noise."""
+        """Which variables move the scaled residuals by more than noise, compared with z = 0."""
         return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
 
 
@@ -79,8 +81,8 @@ class Problem:
     """
     What is to be fitted: an experiment, the rows that count, and the given parameters.
 
-    `fine` forms slopes of a stem that sticks over short ways, as those of any other: for an end
-    that is compared with another to a few percent, not for getting there.
+    With `fine`, slopes are formed over short steps where the stem sticks as well: for an end that
+    is compared with another end to a few percent, not for getting there.
     """
 
     experiment: Experiment
@@ -102,7 +104,7 @@ class Problem:
         return p
 
     def initial(self, z: Array, p: PositionerParameters) -> Initial:
-        """Return the start at z: the stem stands where it was seen if it can stick."""
+        """Return the start at z; a stem that can stick stands where it was seen."""
         start = self.experiment.initial
         if self.nuisances:
             pressure, back, ep_play, position_play, warmth, past = z[len(self.freedoms):]
@@ -124,16 +126,16 @@ class Problem:
         return self.experiment.predict(p, self.initial(z, p)) if is_consistent(p) else None
 
     def residuals(self, z: Array) -> Array:
-        """Return the scaled residuals of all marked rows, priors behind them."""
+        """Return the scaled residuals of all marked rows, followed by the priors."""
         return self._with_priors(z, self._scaled(z))
 
     def means(self, z: Array) -> Array:
-        """Return the means of residuals over windows, scaled to their own noise, and priors."""
+        """Return means of the residuals over windows, scaled to the noise of means, and priors."""
         return self._with_priors(z, [
             slips.means(scaled) for slips, scaled in zip(self.slips, self._scaled(z))])
 
     def through_slips(self, z: Array) -> Array:
-        """Return what does not ask when each slip comes: `means`, and strengths behind them."""
+        """Return what does not depend on when each slip comes: means, strengths, and priors."""
         scaled = self._scaled(z)
         means = [slips.means(each) for slips, each in zip(self.slips, scaled)]
         strengths = [slips.strengths(each) for slips, each in zip(self.slips, scaled)]
@@ -148,7 +150,7 @@ class Problem:
         return float(np.sum(self.means(z)**2))
 
     def cost_through_slips(self, z: Array) -> float:
-        """Return the sum of squares of `through_slips`: what is missed but for single slips."""
+        """Return the sum of squares of `through_slips`: what is missed apart from single slips."""
         return float(np.sum(self.through_slips(z)**2))
 
     @cached_property
@@ -159,7 +161,7 @@ class Problem:
 
     @cached_property
     def slips(self) -> tuple[Windows, ...]:
-        """Over which rows of each channel means and strengths are formed."""
+        """The windows of rows, for each channel, over which means and strengths are formed."""
         measured, noise = self.experiment.measured, self.experiment.noise
         return tuple(Windows.of(self.experiment.time[rows], measured[name][rows] / noise[name])
                      for name, rows in self.counted.items())
@@ -189,15 +191,15 @@ class Problem:
         return np.concatenate([*parts, priors, start])
 
     def cost_of_priors(self, z: Array) -> float:
-        """Return the sum of squares of the departures at z from what is given, start included."""
+        """Return the cost of the departures at z from what is given, start included."""
         return float(np.sum(self._with_priors(z, [])**2))
 
     def jacobian(self, z: Array, here: Array, before: Array | None = None) -> Array:
         """
         Return d(residuals)/dz by one-sided differences, columns side by side.
 
-        `here` are the residuals at z; `before` is an earlier one, which tells how far to go in each
-        variable.
+        `here` are the residuals at z; `before` is an earlier Jacobian, which tells how far to step
+        in each variable.
         """
         return self._slopes(self.residuals, z, here, before)
 
@@ -218,12 +220,12 @@ class Problem:
         told = [j for j in range(len(z)) if j not in silent]
         for j, change in zip(told, side_by_side(column, told)):
             columns[:, j] = change
-        for j in silent:  # its prior is all that such a variable moves
+        for j in silent:  # such a variable moves its prior alone
             columns[len(here) + j - len(z), j] = 1.0 / START[j - len(self.freedoms)]
         return columns
 
     def steps_for(self, z: Array, slopes: Array) -> Array:
-        """Return how far differences go, in z, where slopes have these norms."""
+        """Return how far to step for differences, in z, where slopes have these norms."""
         return np.clip(self._visible(z) / np.maximum(slopes, 1e-9),
                        SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
 
@@ -234,7 +236,7 @@ class Problem:
         return VISIBLE_THINNED if self.experiment.tolerance > DEFAULT_TOLERANCE else VISIBLE
 
     def _silent(self, z: Array) -> list[int]:
-        """Return the variables of the start that cannot matter: a place in no play, say."""
+        """Return the variables of the start that cannot matter, such as a place in no play."""
         if not self.nuisances:
             return []
         p = self.parameters(z)
@@ -243,7 +245,7 @@ class Problem:
         return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
 
     def idle(self, variables: Iterable[int], z: Array) -> set[int]:
-        """Return those on which nothing seen at z depends: beside no size no shape matters."""
+        """Return those on which nothing seen at z depends: without a size no shape matters."""
         asked = list(variables)
         here = self._scaled(z) if asked else []
 
@@ -256,12 +258,13 @@ class Problem:
 
     def without_unseen(self, fit: Fit) -> Fit:
         """
-        Return the fit with sizes back at neutral that the rows show less than their noise.
+        Return the fit with those sizes back at neutral that the rows show less than their noise.
 
-        And with shapes as typical on which nothing depends.
+        And with those shapes typical on which nothing depends.
 
-        Slopes say so as well of a size from which on nothing more shows, a seat that is wide enough
-        never to be fully open: neutral is not wide enough. So that model is run before it is taken.
+        Slopes also call a size unseen that lies where nothing more changes, such as that of a seat
+        so wide that it is never fully open, though a neutral seat is not wide enough. So the model
+        with the size at neutral is run before it is taken.
         """
         seen = fit.seen
         z = fit.z
@@ -275,7 +278,7 @@ class Problem:
                     z = without
         shapes = [j for j, free in enumerate(self.freedoms)
                   if free.knob.shape and not np.isfinite(free.sigma)
-                  and not free.knob.inverse]  # no stiffness is one that matters
+                  and not free.knob.inverse]  # a stiffness of none is rigid, and matters
         for j in self.idle(shapes, z):
             z = z.copy()
             z[j] = self.freedoms[j].without_size
@@ -313,12 +316,12 @@ class Problem:
 
     def fit_through_slips(self, z: Array, evaluations: int = 20) -> Fit:
         """
-        Return where the fit of `through_slips` ends, seen from z, or, if better, a fit from there.
+        Return the end of a fit of `through_slips` from z or, if better, a fit of all rows from it.
 
-        How much friction there is shows in the means, how far slips go in the strengths. Which slip
-        comes when makes the cost of all rows rough, and their fit ends where the phase of some
-        happens to suit, or where slips are so small that it does not matter; `cost_through_slips`
-        says which is better.
+        The means show how much friction there is, the strengths how far slips go. The timing of
+        slips makes the cost of all rows rough, and a fit of all rows ends where the phase of some
+        slips happens to suit, or where slips are so small that their phase does not matter;
+        `cost_through_slips` says which of the two ends is better.
         """
         found = descend(self.through_slips, self._slopes_through_slips, self._inside(z),
                         *self.bounds(), evaluations)

@@ -60,12 +60,12 @@ class Free:
         return self.sigma * self.scale * slope
 
     def away(self, z: float) -> float:
-        """Return how many standard deviations of the prior z is from its centre, + for more."""
+        """Return how many standard deviations of its prior z is off, + for a larger value."""
         return (-z if self.knob.inverse else z) / self.sigma
 
     @property
     def without_size(self) -> float:
-        """Where z stands while the effect has no size: neutral, but a shape is typical."""
+        """Where z stands while the effect has no size: a size at neutral, a shape at typical."""
         if self.knob.shape:
             return self.variable(self.knob.typical)
         return 0.0 if self.knob.inverse else self.variable(self.knob.neutral)
@@ -96,8 +96,9 @@ def get(p: PositionerParameters, name: str, element: int | None = None) -> float
     return float(value if element is None else value[element])
 
 
-# Relative (or absolute, in SI) spread within which a declared parameter may be off, the bounds at
-# five times as much. Wider than maker's tolerances on purpose for those that only scale speed.
+# Relative and absolute (SI) spread within which a declared parameter may be off, and element of a
+# list; the bounds lie at five times the spread. For parameters that only scale speed the spread is
+# wider than makers' tolerances on purpose.
 _DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
     ('ep_converter.gain', 0.02, 0.0, None),
     ('ep_converter.offset', 0.0, 2e3, None),
@@ -115,14 +116,14 @@ _DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
 
 
 BENCH = ('booster.opening_gain', 'booster.max_area')
-"""What a flow bench is there to measure: nothing else known of it counts beside its flows."""
+"""What a flow bench is there to measure: beside its flows nothing known of these two counts."""
 
 BENCH_RANGE = 20.0
-"""How far the bench may find them from what was declared, as a factor."""
+"""Factor by which the bench may find these two off what was declared, up or down."""
 
 SOFTEST_STOP, HARDEST_STOP = 0.4, 10.0
-"""Shares of the declared stiffness of the end stops: below it is a soft seat, above no sensor sees
-them yield."""
+"""Bounds of the stiffness of the end stops, as shares of the declared one: below the first it is a
+soft seat, above the second no sensor sees the stops yield."""
 
 
 def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Free]:
@@ -131,7 +132,7 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
     for name, relative, absolute, element in _DECLARED:
         value = get(p, name, element)
         if name in BENCH and experiment.is_flow_bench:
-            # as inverses: the stiffness against opening is what a flow force adds to
+            # as inverses: a flow force adds to the stiffness against opening
             high = value * BENCH_RANGE
             knob = Knob(name, value, value / BENCH_RANGE, high, high, inverse=1)
             found.append(Free(knob, 1.0 / value, 1.0 / value))
@@ -142,7 +143,7 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
             found.append(Free(knob, 1.0 / value, relative / value, 1.0))
             continue
         width = abs(value)
-        if name == 'actuator.bench_set':  # as sure of one end as of what lies between them
+        if name == 'actuator.bench_set':  # one end is known as well as the span between both
             width = max(width, float(np.ptp(p.actuator.bench_set)))
         spread = absolute + relative * width
         if spread <= 0.0:
@@ -155,12 +156,12 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
 
 
 LOOSENED = 3.0
-"""How many times as far a declared parameter may be off, and go, beside an effect it is less sure
-with."""
+"""Factor by which the prior and the bounds of a declared parameter widen beside an effect that
+makes it less well known."""
 
 
 def loosened(free: Free, effect: Effect) -> Free:
-    """Return what is free beside an effect: wider where that makes it less well known."""
+    """Return a freedom as it is beside an effect: wider if the effect makes it less well known."""
     knob = free.knob
     if knob.parameter not in effect.loosens or not np.isfinite(free.sigma):
         return free

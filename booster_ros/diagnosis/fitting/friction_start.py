@@ -1,12 +1,12 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where a fit of a stem that sticks may begin: the friction that fits best through slips.
+Where a fit of a stem that sticks may begin: with the friction that fits best through slips.
 
-Which slip comes when makes the cost of a fit rough, and a fit from friction that is far off ends in
-the next hollow. Friction that was fitted while something above the stem was missing is far off. So
-sliding friction and stiction are tried over their range, first widely, then closely around the
-best, for a packing that yields and for one that does not; a trial is one run.
+The timing of slips makes the cost of a fit rough, and a fit from friction that is far off ends in
+the nearest hollow. Friction that was fitted while something above the stem was missing is far off.
+So sliding friction and stiction are tried over their range, first widely, then closely around the
+best, for a packing that yields and for one that does not; each trial takes one run of the model.
 """
 
 from collections.abc import Iterable
@@ -22,20 +22,20 @@ from booster_ros.model.actuator import is_rigid
 Array = np.ndarray
 
 SLIDING = (75.0, 110.0, 150.0, 220.0, 300.0, 400.0, 550.0, 750.0, 1000.0, 1400.0)
-"""Sliding friction that is tried, N, in a valve of the paper's size."""
+"""Values of sliding friction that are tried, N, in a valve of the paper's size."""
 
 BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
-"""Stiction that is tried with each, as a share of it."""
+"""Values of stiction that are tried with each of these, as shares of the sliding friction."""
 
 HOLLOWS = 5
 CLOSER = ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
 """
-Then, around so many of the best: steps of the sliding friction, as a share of it, and of the share
-that breaks away.
+Number of best trials around which closer ones follow, and the steps of these, round by round: of
+the sliding friction, as a share of it, and of the share that breaks away.
 """
 
 DAMPINGS = (0.5, 1.0)
-"""Damping of a packing from which fits begin, as a share of critical."""
+"""Values of the damping of a packing from which fits begin, as shares of critical damping."""
 
 _Trial = tuple[float, float, bool]
 
@@ -44,8 +44,8 @@ def best_friction(problem: Problem, z: Array) -> Array:
     """
     Return z with the friction that fits best through slips, beside everything else as it is.
 
-    And with the start as given: it had bent itself to the friction that was. z itself where no
-    friction is free.
+    And with the start as given, as it had bent itself to the earlier friction. Return z itself
+    where no friction is free.
     """
     if all(free.knob.parameter != 'actuator.coulomb_friction' for free in problem.freedoms):
         return z
@@ -83,10 +83,11 @@ def best_friction(problem: Problem, z: Array) -> Array:
 
 def each_damping(problem: Problem, z: Array) -> list[Array]:
     """
-    Return z with each of DAMPINGS of a packing that yields; of a rigid one, of one that is soft.
+    Return z with each of DAMPINGS of the packing, a rigid packing replaced by a soft one.
 
-    A descent does not get from much damping to little, as that and viscous friction trade; nor far
-    from a rigid packing, with which slips come all at once. From a soft one it gets to a rigid one.
+    A descent does not get from much damping to little, as damping and viscous friction trade; nor
+    far from a rigid packing, with which slips come all at once. From a soft one it gets to a rigid
+    one.
     """
     rigid = is_rigid(problem.parameters(z).actuator)
     places = []

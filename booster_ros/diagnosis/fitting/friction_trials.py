@@ -1,16 +1,18 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Friction around a fit, by trial: a better one where there is one near, and how sure it is.
+Trials of friction around a fit, for a better value if one is near, and for how sure it is.
 
-Which slip comes when makes what a stem that sticks leaves rough on every scale. A slope, over
+Where a stem sticks, the timing of slips makes the cost rough on every scale. A slope, over
 whatever step, is then the chance of a few slips: a descent ends beside the best, and intervals from
 slopes leave out the truth by many of their widths. So sizes are drawn and run:
 
-1. draw the effects' sizes and shapes around the fit, each apart, and run them;
-2. go on around the best so far, closer, round by round;
-3. what the closest leave beside the best is chance: they hardly differ from it but in their slips.
-   All trials, near and far, that leave no more than nine in ten of these are as good.
+1. draw the effects' sizes and shapes around the fit, each independently, and run the model with
+   them;
+2. go on around the best trial so far, closer, round by round;
+3. what the closest trials leave more than the best one is chance, as they hardly differ from it
+   but in their slips. All trials, near or far, that leave no more than nine in ten of the closest
+   ones do are as good.
 
 The declared parameters stay as they are.
 """
@@ -27,14 +29,15 @@ Array = np.ndarray
 ROUNDS, TRIALS = 7, 32
 
 WIDE, SMALL = 0.25, 0.3
-"""Standard deviation of the first trials, as a share of a variable, and the size in which it counts
-as small: those are drawn as if they had that."""
+"""Standard deviation of the first trials, as a share of each variable, and the size below which a
+variable counts as small: small ones are drawn as if they had this size."""
 
 CLOSER = 0.6
-"""Of that, the share in the next round; the last is within some percent."""
+"""Factor on the standard deviation from each round to the next; the last round is within some
+percent."""
 
 BY_CHANCE = 0.9
-"""Share of the closest whose cost is taken for chance."""
+"""Share of the closest trials whose cost is taken for chance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +45,7 @@ class Trials:
     """
     What was tried: z, shape (trials, variables), and its cost through slips, (trials,).
 
-    The first is what was begun with; `varied` are the variables that were drawn.
+    The first trial is what the others began with; `varied` are the variables that were drawn.
     """
 
     z: Array
@@ -56,12 +59,12 @@ class Trials:
 
     @property
     def as_good(self) -> Array:
-        """Return z of those that leave no more than slips by chance do, shape (some, variables)."""
+        """Return z of trials that leave no more than chance does, shape (some, variables)."""
         return self.z[self.are_good]
 
     @property
     def are_good(self) -> Array:
-        """Return which these are, as a mask of shape (trials,)."""
+        """Return which trials leave no more than that, as a mask of shape (trials,)."""
         return self.cost <= np.quantile(self.cost[-TRIALS:], BY_CHANCE)
 
     def ends(self, index: int) -> tuple[float, float] | None:
@@ -84,8 +87,9 @@ def friction_trials(problem: Problem, z: Array) -> Trials:
     """
     Return trials around z.
 
-    What is none in z where only much of it would be seen, a stiffness, stays none; what means
-    nothing beside it, the damping of a packing that does not yield, stays as it is.
+    An inverse parameter that is none at z, such as a stiffness, stays none, as only a large step
+    from there would be seen. What means nothing at z, such as the damping of a packing that does
+    not yield, stays as it is.
     """
     sizes_and_shapes = [
         j for j, free in enumerate(problem.freedoms) if not np.isfinite(free.sigma)

@@ -13,27 +13,32 @@ Array = np.ndarray
 DRAWS = 400
 
 SAME_TRACE = 0.01
-"""Share of the square of a size's trace up to which shapes that leave no more do the same."""
+"""Largest share of the square of a size's trace that shapes leave of it if they do the same as
+it."""
 
 FEWEST_BLOCKS = 8
-"""Segments are cut into equal parts where there are fewer: of two there are three draws in all."""
+"""Number of segments below which segments are cut into equal parts: of two segments there are
+three draws in all."""
 
 FEW, IN_FEW = 3, 0.9
-"""They are cut as well where so much of what is known of the size of an effect is in so few."""
+"""Number of segments, and share of what is known of the size of an effect: where so few segments
+hold more than this share, segments are cut as well."""
 
 WIDEST = 30.0
-"""Standard deviation of what a size may be before anything is seen, in typical sizes."""
+"""Standard deviation of a size before anything is seen of it, in typical sizes."""
 
 SILENT = 1.0
-"""Norm of the scaled residuals' change for a typical size below which slopes tell nothing."""
+"""Norm of the change of the scaled residuals for a typical size, below which slopes tell
+nothing."""
 
 NOTICED = 3.84
-"""Rise of the cost by which the rows notice that such a variable moves: 95 % of chi square."""
+"""Rise of the cost from which the rows notice that a variable moves of which slopes tell nothing:
+95 % of chi square."""
 
 HALVINGS = 12
 
 AT_BOUND = 1e-2
-"""A size this near its bound, relative to its range, has run into it."""
+"""Distance of a size from its bound, relative to its range, below which it has run into it."""
 
 
 def block_bootstrap(problem: Problem, fit: Fit, of_row: Array) -> Array:
@@ -42,12 +47,13 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array) -> Array:
 
     `of_row` says of each row of the experiment which segment it belongs to. Each draw weighs the
     segments by how often they were drawn and makes one Gauss-Newton step from the fit. Residuals
-    may be as coloured as they like within a segment. Where a declared parameter is expected is
-    drawn too, from its prior: what an effect trades with it is as unsure as that.
+    may be as coloured as they like within a segment. The value that is expected of a declared
+    parameter is drawn too, from its prior: what an effect trades with it is as unsure as that.
 
-    Shapes are drawn with all else free, all else at the shapes that were found. Both at once would
-    run along a line through nonsense: a drift of half the size in half the time is the same drift
-    while it is young, and where the size is none the shape is nothing.
+    Shapes are drawn with all else free; all else is drawn with the shapes as they were found.
+    Drawn together they would run along a line through nonsense: a drift of half the size in half
+    the time is the same drift while it is young, and where the size is none the shape means
+    nothing.
     """
     label = _labels(problem, _blocks(problem, fit, of_row))
     return _draws(problem, fit, problem.residuals(fit.z), fit.jacobian, label)
@@ -55,10 +61,10 @@ def block_bootstrap(problem: Problem, fit: Fit, of_row: Array) -> Array:
 
 def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array) -> Array:
     """
-    Return draws as `block_bootstrap` does, of the means in which single slips do not show.
+    Return draws as `block_bootstrap` does, but from means, in which single slips do not show.
 
     Where the stem sticks, slopes of single rows say when slips come, as if the model could repeat
-    each of them: intervals from those are far too narrow.
+    each of them: intervals from such slopes are far too narrow.
     """
     of_row = _blocks(problem, fit, of_row)
     here = problem.means(fit.z)
@@ -69,7 +75,7 @@ def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array) -> Array
 
 
 def _blocks(problem: Problem, fit: Fit, of_row: Array) -> Array:
-    """Return the segment of each row, cut into parts where there are few or few of them tell."""
+    """Return the block of each row: segments, cut where there are few or few of them tell."""
     segments = len(np.unique(of_row[problem.rows]))
     if segments < FEWEST_BLOCKS:
         of_row = _cut(of_row, -(-FEWEST_BLOCKS // segments))
@@ -92,7 +98,7 @@ def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: 
     prior_hessian = prior.T @ prior
     rng = np.random.default_rng(1)
     draws = np.empty((DRAWS, size))
-    # a size is of its typical order: without that, a draw in which a size hardly shows is anything
+    # sizes are held to their typical order: else one that hardly shows in a draw could be anything
     ridge = np.eye(size) / WIDEST**2
     pull = ridge @ fit.z
     shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
@@ -118,7 +124,7 @@ def _shows_in_few(problem: Problem, fit: Fit, label: Array) -> bool:
     """
     Tell whether what is known of the size of an effect comes from few blocks.
 
-    A stem that reaches its seat twice, say: of 20 draws one or more are without these blocks, know
+    If a stem reaches its seat twice, say, one or more of 20 draws are without these blocks, know
     nothing of the size, and would call any trace chance.
     """
     sizes = [j for j, free in enumerate(problem.freedoms)
@@ -141,14 +147,15 @@ def _cut(of_row: Array, parts: int) -> Array:
 def interval_of(problem: Problem, draws: Array, fit: Fit, index: int,
                 tried: tuple[float, float] | None = None) -> tuple[float, float, float]:
     """
-    Return (value, low, high) of a variable as the parameter's value, 95 %, within bounds.
+    Return (value, low, high) of a parameter: its value and 95 % interval, within bounds.
 
-    `tried` are the ends of what trials have shown to be as good, where there were some: they were
-    drawn ever closer to the best, so that a share of them is no measure.
+    `tried` are the ends (in z) of the good trials, where there were trials: these were drawn ever
+    closer to the best, so that a share of them is no measure.
 
-    What shows nowhere where it stands, a lift of a seat that is never reached, goes to where the
-    rows would notice it (profile likelihood, all else as it is). A stiffness or restriction that
-    may as well be none ends at its upper bound, not at the zero that stands for "none" there.
+    The interval of a variable that shows nowhere where it stands, such as the lift of a seat that
+    is never reached, goes to where the rows would notice it (profile likelihood, all else as it
+    is). That of a stiffness or restriction that may as well be none ends at its upper bound, not
+    at the zero that stands for "none" there.
     """
     free = problem.freedoms[index]
     if tried is not None:
@@ -157,7 +164,7 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int,
         low, high = _unnoticed(problem, fit, index)
     else:
         low, high = np.quantile(draws[:, index], [0.025, 0.975])
-    # the draws centre on a step away from the fit where it stopped early: hold both
+    # where the fit stopped early the draws centre on a step away from it: the interval holds both
     value = free.value(fit.z[index])
     ends = [free.value(float(np.clip(z, free.low, free.high)))
             for z in (min(low, fit.z[index]), max(high, fit.z[index]))]
@@ -190,14 +197,14 @@ def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
 
 def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
     """
-    Return why a fitted effect is none that this record shows, '' where it is one.
+    Return why this record does not show a fitted effect, '' where it does.
 
     An effect stands if the neutral values of its own sizes lie outside the region that holds 95 %
-    of their draws, and if none has run into its bound: then something else is imitated, but where
-    a shape does the same as the size, as while a drift is young. The region
-    is that of all sizes together: two that do the same may each be anything, their sum may not,
-    even where the fit gave all of it to one of them. What would not show at its typical size, nor
-    as it stands, has no say.
+    of their draws, and if no size has run into its bound. One at its bound imitates something
+    else, unless a shape does the same as the size, as while a drift is young. The region is that
+    of all sizes together: two that do the same may each be anything, their sum may not, even where
+    the fit gave all of it to one of them. A size that would not show at its typical value, nor
+    shows as it stands, has no say.
     """
     own = own_sizes(effect)
     shows = fit.seen | (np.linalg.norm(fit.jacobian, axis=0) > SILENT)
@@ -213,7 +220,7 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
 
 
 def traded(problem: Problem, fit: Fit, effect: str) -> list[str]:
-    """Return the effect's sizes whose trace its shapes can follow: known only with those."""
+    """Return the effect's sizes whose trace its shapes can imitate: known only with those."""
     sizes, shapes = (
         [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in wanted]
         for wanted in (sizes_of(effect), shapes_of(effect)))
@@ -239,23 +246,23 @@ def _holds_zero(draws: Array, best: Array) -> bool:
 
 
 def own_sizes(effect: str) -> set[str]:
-    """Return those of `sizes_of` that no effect before it in the catalogue has as well."""
+    """Return those of `sizes_of` that no effect before this one in the catalogue has as well."""
     names = list(EFFECTS)
     return sizes_of(effect).difference(*(sizes_of(name) for name in names[:names.index(effect)]))
 
 
 def sizes_of(effect: str) -> set[str]:
-    """Return the parameters that give an effect its size; KeyError if there is none such."""
+    """Return the parameters that give an effect its size; KeyError if there is no such effect."""
     return {knob.parameter for knob in EFFECTS[effect].knobs if not knob.shape}
 
 
 def within(effect: str) -> set[str]:
-    """Return the effects that this one builds on: it has sizes that are theirs."""
+    """Return the effects that this one builds on: those whose own sizes it has as well."""
     return {name for name in EFFECTS if name != effect and sizes_of(effect) & own_sizes(name)}
 
 
 def shapes_of(effect: str) -> set[str]:
-    """Return the parameters that give an effect its shape; KeyError if there is none such."""
+    """Return the parameters that give an effect its shape; KeyError if there is no such effect."""
     return {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}
 
 

@@ -1,13 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How large things are sought in a valve, beside how large they are in the paper's.
+Sizes that are sought in a valve, in proportion to those that are sought in the paper's.
 
-Catalogue and terms say what a record of the paper's positioner shows well, and how far to search
-there. A valve of another size has other hysteresis, friction and leaks: a current counts beside the
-range of the converter, a pressure beside the supply, an area beside the booster's largest, a force
-beside what the supply makes on the diaphragm, a length beside the travel. Shares, times, speeds and
-thermal resistances are what they are.
+Catalogue and terms say which sizes a record of the paper's positioner shows well, and how far to
+search there. A valve of another size has other hysteresis, friction and leaks: a current is in
+proportion to the range of the converter, a pressure to the supply, an area to the booster's
+largest, a force to what the supply makes on the diaphragm, a length to the travel. Shares, times,
+speeds and thermal resistances stay as they are.
 """
 
 from dataclasses import replace
@@ -23,14 +23,14 @@ PAPER = PositionerParameters()
 
 
 def proportion(p: PositionerParameters, component: str, unit: str) -> float:
-    """Return how many times as large sizes in this unit are in a valve as in the paper's."""
+    """Return how many times as large sizes in this unit are in this valve as in the paper's."""
     ours, paper = _natural(p, component, unit), _natural(PAPER, component, unit)
     ratio = ours / paper
     return ratio if math.isfinite(ratio) and ratio > 0.0 else 1.0
 
 
 def _natural(p: PositionerParameters, component: str, unit: str) -> float:
-    """Return a size in SI that goes with the valve, 1 for what does not."""
+    """Return the valve's own size in this unit (SI), 1 for a unit that does not scale with it."""
     supply, area, travel = p.supply.pressure, p.booster.max_area, p.actuator.travel
     force = supply * (p.booster.s3 if component == 'booster' else p.actuator.effective_area)
     gain = p.ep_converter.gain
@@ -49,7 +49,7 @@ def _natural(p: PositionerParameters, component: str, unit: str) -> float:
 
 
 def in_proportion(knob: Knob, p: PositionerParameters) -> Knob:
-    """Return what turns a parameter with its sizes as they are in this valve."""
+    """Return the knob with its sizes in proportion to this valve."""
     described = DESCRIPTIONS[knob.parameter]
     factor = proportion(p, knob.parameter.partition('.')[0], described.unit)
     if factor == 1.0:

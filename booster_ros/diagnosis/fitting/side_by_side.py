@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Several runs of the model side by side, on all processors: it lets go of the interpreter."""
+"""Several runs of the model side by side, on all processors: the model releases Python's lock."""
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
@@ -13,7 +13,7 @@ Found = TypeVar('Found')
 
 def side_by_side(function: Callable[[One], Found], several: Iterable[One]) -> list[Found]:
     """
-    Return what the function returns of each, in their order; what it raises is raised.
+    Return what the function returns for each, in their order; what it raises is raised.
 
     The threads last no longer than the call: a pool that outlived an interruption in the middle of
     starting a thread would keep the process from ending.

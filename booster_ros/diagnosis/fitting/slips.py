@@ -3,8 +3,8 @@
 """
 What a record of a stem that slips says whatever the moment at which each slip comes.
 
-That is, over windows of many slips, the mean, which knows how much friction there is, and the
-strength of what moves within, which knows how far each slip goes.
+Two things are taken over windows of many slips: the mean, which tells how much friction there is,
+and the strength of what moves within a window, which tells how far each slip goes.
 """
 
 from dataclasses import dataclass
@@ -15,16 +15,17 @@ import numpy as np
 Array = np.ndarray
 
 WINDOW = 1.0
-"""Time in s over which many slips of a stem that sticks come, and few moves of the valve."""
+"""Length of a window, s: many slips of a stem that sticks come in it, and few moves of the
+valve."""
 
 FEWEST_ROWS = 8
-"""Rows of a window in which strength is told."""
+"""Smallest number of rows of a window whose strength is told."""
 
 SCATTER = 0.25
-"""What one slip more or less in a window makes of its strength, in natural logarithms."""
+"""What one slip more or less in a window changes in its strength, in natural logarithms."""
 
 LEAST = 0.1
-"""Variance, in squares of the noise, that readings are taken to have at the least."""
+"""Smallest variance that readings are taken to have, in squares of the noise."""
 
 _CUBIC = 4
 
@@ -32,10 +33,10 @@ _CUBIC = 4
 @dataclass(frozen=True, eq=False)
 class Windows:
     """
-    Rows of a channel taken together: time in s and readings in standard deviations of the noise.
+    Rows of a channel in windows: time in s and readings in standard deviations of the noise.
 
-    Both have the shape (rows,); `window` says to which each row belongs, `first` and `count` of
-    each window its first row and how many.
+    Both have the shape (rows,); `window` says to which window each row belongs, `first` and
+    `count` say for each window which is its first row and how many it has.
     """
 
     time: Array
@@ -59,14 +60,15 @@ class Windows:
         """
         Return by how much the model moves more or less than the valve within each window, scaled.
 
-        It is the logarithm of a variance, the model's with the noise that readings have.
+        It is the logarithm of a ratio of variances: that of the model, with the noise that
+        readings have, to that of the readings.
         """
         moves = self._variance(self.readings - residuals) + 1.0
         spread = np.sqrt(2.0 / self._freedom + SCATTER**2)
         return np.log(moves / self._moved) / spread
 
     def _variance(self, values: Array) -> Array:
-        """Return the variance of what no cubic follows in each window that is long enough."""
+        """Return the variance of what a cubic leaves in each window that is long enough."""
         left = np.bincount(self.window, values**2)
         for curve in self._curves.T:
             left -= np.bincount(self.window, curve * values)**2
@@ -74,7 +76,7 @@ class Windows:
 
     @cached_property
     def _moved(self) -> Array:
-        """Return the variance of the readings in each of those windows."""
+        """Return the variance of the readings in each window that is long enough."""
         return np.maximum(self._variance(self.readings), LEAST)
 
     @cached_property
@@ -87,7 +89,7 @@ class Windows:
 
     @cached_property
     def _curves(self) -> Array:
-        """Return orthonormal cubics of each of those windows, shape (rows, 4)."""
+        """Return orthonormal cubics of each window that is long enough, shape (rows, 4)."""
         curves = np.zeros((len(self.time), _CUBIC))
         for first, count in zip(self.first[self._told], self.count[self._told]):
             part = slice(first, first + count)

@@ -3,8 +3,8 @@
 """
 Slopes where variables do nearly the same, and the bottom of the valley that they make.
 
-The E/P converter's offset and the preloads of both seats, say: only the prior of the offset tells
-where in the valley a fit has to end.
+The E/P converter's offset and the preloads of both seats make such a valley: only the prior of the
+offset tells where in it a fit has to end.
 """
 
 from dataclasses import replace
@@ -23,9 +23,9 @@ def slopes_along_axes(problem: Problem, fit: Fit) -> Array:
     Return d(residuals)/dz at a fit by differences along the principal axes of its Jacobian.
 
     Columns of one-sided differences bend by a percent over their steps. Where variables do nearly
-    the same that is more than what differs, and what the rows cannot tell looks as if they told it
-    well. Along an axis the step is as long as is needed to see just that. A variable with a bound
-    within reach keeps the column that it has.
+    the same, that percent is more than what differs between them, and what the rows cannot tell
+    looks as if they told it well. Along an axis the step is as long as is needed to see that axis.
+    A variable with a bound within reach keeps the column that it has.
     """
     low, high = problem.bounds()
     roomy = (fit.z - LARGEST_DIFFERENCE > low) & (fit.z + LARGEST_DIFFERENCE < high)

@@ -1,10 +1,11 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Gaps of what drives a model: which rows after one show what went on in it.
+Gaps of what drives a model: which rows after a gap show what went on in it.
 
-A run goes on through a gap with the drive as it last stood. What really drove the valve meanwhile
-shows in its chamber for as long as that takes to catch up, and is nothing that the model lacks.
+A run goes on through a gap with the current as it last stood, and with measured drives on a
+straight line across. What really drove the valve meanwhile shows in its chamber until the chamber
+has caught up, and is nothing that the model lacks.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,15 +21,16 @@ from booster_ros.records.time_axis import gap_rows
 Array = np.ndarray
 
 SETTLING = 10.0
-"""Rows within this time after a gap do not count, s, whatever the declared model says."""
+"""Time after a gap, s, within which rows do not count, whatever the declared model says."""
 
 CAUGHT_UP = 1.0
-"""Nor do those before which it is still so many times the noise from where it could be."""
+"""Difference between runs with other drives in a gap, in multiples of the noise, above which the
+chamber has not caught up: rows up to the last such difference do not count either."""
 
 SHORT_GAP = 0.5
 MISSED = 5e-4
-"""But all do after a gap this short, s, in which holding the drive misses no more than this, as a
-share of its range times seconds: the chamber hardly notices."""
+"""Longest gap, s, and most that holding the drive through it may miss, as a share of the drive's
+range times seconds, for all rows after it to count: the chamber hardly notices."""
 
 
 def gaps_that_hide(
@@ -48,7 +50,7 @@ def gaps_that_hide(
 
 
 def settled(time: Array, gaps: Sequence[slice]) -> Array:
-    """Tell of each row, shape (n,), whether every gap before it is SETTLING behind."""
+    """Tell of each row, shape (n,), whether every gap before it ended at least SETTLING ago."""
     rows = np.ones(len(time), dtype=bool)
     for gap in gaps:
         rows &= (time < time[gap.stop]) | (time >= time[gap.stop] + SETTLING)
@@ -61,8 +63,8 @@ def caught_up(
     """
     Tell of each row, shape (n,), whether it shows nothing of what went on in a gap before it.
 
-    Driven in every gap with the least that the record has of each drive, and with the most, the
-    declared model comes to the same only once the chamber has caught up.
+    The declared model is driven in every gap once with the least that the record has of each drive
+    and once with the most. Both runs come to the same only once the chamber has caught up.
     """
     counts = settled(experiment.time, gaps)
     if not gaps:

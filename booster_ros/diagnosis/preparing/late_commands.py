@@ -1,10 +1,11 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Commands that the valve took somewhere between two rows.
+Commands that the valve took at some moment between two rows.
 
-A clock that stamps rows as they arrive does not know when in between the valve took a command: each
-one anywhere in a row, with a standard deviation of its length over sqrt(12).
+A clock that stamps rows as they arrive does not know when between two of them the valve took a
+command: it may have been anywhere in a row, with a standard deviation of the row's length over
+sqrt(12).
 """
 
 from dataclasses import replace
@@ -17,15 +18,17 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 EVEN = 1e-3
-"""Rows this evenly spaced, relative to their distance, are those of one clock with the drive."""
+"""Unevenness of the spacing of rows, relative to their distance, below which rows and drive have
+one clock."""
 
 DRAWS = 4
 
 OFTEN = 0.5
-"""Share of rows in which a command comes a row late: its standard deviation is half a row."""
+"""Share of rows whose command is a row late: a standard deviation of the delay of half a row."""
 
 AS_OFTEN = 0.5 - np.sqrt(1.0 / 6.0)
-"""The same where its standard deviation is a row over sqrt(12), as that of a uniform delay."""
+"""Share of rows for a delay with a standard deviation of a row over sqrt(12), which is that of a
+uniform delay."""
 
 
 def commands_may_be_late(experiment: Experiment) -> bool:
@@ -50,8 +53,8 @@ def with_noise_of_timing(experiment: Experiment, declared: PositionerParameters)
     """
     Return the experiment with the noise of each channel at least what late commands leave.
 
-    Drawn is a whole row late or none, whose standard deviation is sqrt(3) times what it should be:
-    seldom late would take more draws.
+    Each command is drawn a whole row late or not late, with a standard deviation that is sqrt(3)
+    times what it should be: if they were late more seldom, more draws would be needed.
     """
     rng = np.random.default_rng(1)
     taken = experiment.predict(declared)

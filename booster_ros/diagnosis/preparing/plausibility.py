@@ -1,10 +1,10 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Values that are possible in their unit, and cannot be of the declared valve.
+Values that are possible in their unit, but cannot be of the declared valve.
 
-Fitted all the same, they come out as an effect: of a chamber recorded in absolute pressure a
-process that pushes on the plug is made. Or the search runs for minutes and finds nothing.
+Fitted all the same, they come out as an effect: a chamber recorded in absolute pressure comes out
+as a process that pushes on the plug. Or the search runs for minutes and finds nothing.
 """
 
 from collections.abc import Mapping
@@ -27,38 +27,42 @@ DRIVES = {'control_current', 'back_pressure', 'chamber_pressure'}
 
 MOST = 0.99
 BEYOND_TRAVEL = 2.0
-"""A position is that of another valve where this share of it goes, or more, beyond so many times
-the travel declared."""
+"""Quantile of the magnitude of a position, and multiple of the declared travel beyond which this
+quantile shows that the position is that of another valve."""
 
 BEYOND_SUPPLY = 2.0
-"""A current is none for the declared converter where the least of it asks for so many times the
-pressure of the supply."""
+"""Multiple of the pressure of the supply: a current is none for the declared converter if even its
+smallest value asks for more."""
 
 AN_ATMOSPHERE = 6e3
 STEADY = 20e3
-"""A chamber is recorded in absolute pressure if it lies an atmosphere above the declared model,
-within the first of these, Pa, and four fifths of the rows within the second of each other."""
+"""Tolerances, Pa. A chamber is recorded in absolute pressure if it lies an atmosphere above the
+declared model, within the first, and four fifths of the rows lie above it by the same, within the
+second."""
 
 MOSTLY_EXPLAINED = 0.3
 FAR_ABOVE = 50e3
-"""So is one that is never below the atmosphere, and driving the stem leaves this share or less of
-the error of its position with an atmosphere taken off. One that is not the drive has to lie so far
-above the declared model, Pa: else the stem is another one. Above a dead band no atmosphere is
-steady."""
+"""Share of the error of the position, and distance in Pa. A chamber is also recorded in absolute
+pressure if it is never below the atmosphere and, driving the stem with an atmosphere taken off,
+leaves less than this share of the error of the position. A chamber that is not the drive has to
+lie so far above the declared model as well: else the stem is another one. Above a dead band no
+atmosphere is steady."""
 
 FAR_TOO_SMALL = 0.05
 FOLLOWS = 0.9
 HUNDRED = 100.0
 """
-A pressure is in another unit where it follows that of the declared model (correlation) at the first
-share of its size or less: in mbar it is a hundredth, and no effect leaves so little of it. So is
-one that drives and is as little of the declared supply, if the model follows it as mbar only. A
-position is reversed that follows the model as well, and the other way.
+Share of a size, correlation, and factor from mbar to Pa. A pressure is in another unit if it
+follows that of the declared model with more than this correlation, at less than this share of its
+size: in mbar it is a hundredth, and no effect leaves so little of it. A pressure that drives the
+model is in another unit if it is as small beside the declared supply, and the model follows the
+record only with this pressure taken as mbar. A position is reversed if it follows the model as
+closely, but in the other direction.
 """
 
 STUCK = 0.05
-"""Share of the travel, or of the supply, by which the declared model moves where a reading that
-never changes is that of a sensor or a valve that sticks fast."""
+"""Share of the travel, or of the supply: where the declared model moves by more, a reading that
+never changes is that of a sensor, or a valve, that sticks fast."""
 
 SMALLEST = 1e-12
 
@@ -66,8 +70,9 @@ SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'min
            'hours': 3600.0, 'days': 86400.0}
 USUAL_STEP = (1e-3, 1.0)
 CLEARLY_BETTER = 0.5
-"""Time is in another unit where rows are not so many seconds apart, would be in it, and the
-declared model then misses by this share or less."""
+"""Usual distance of rows in seconds, and share of an error. Time is in another unit if rows are
+not so far apart, would be in that unit, and the declared model then leaves less than this share of
+its error."""
 
 
 def check_scales(
@@ -233,7 +238,7 @@ def check_direction(
 
 
 def _driven(experiment: Experiment) -> Experiment:
-    """Return the experiment with the stem driven by the measured pressure where there is one."""
+    """Return the experiment with the stem driven by the measured pressure, if there is one."""
     seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
     return _stem_alone(experiment) if seen else experiment
 
@@ -242,9 +247,10 @@ def without_stuck(
     experiment: Experiment, declared: PositionerParameters, source: str
 ) -> Experiment:
     """
-    Return the experiment without channels of one value where the declared model moves by much.
+    Return the experiment without channels that never change where the declared model moves much.
 
-    Such a reading has no noise, so it would outweigh all others. RecordError where none is left.
+    Such a reading has no noise, so it would outweigh all others. RecordError where no channel is
+    left.
     """
     ranges = {'valve_position': declared.actuator.travel, 'mass_flow': np.inf}
     pressure_stands = stands_still(experiment.measured.get('chamber_pressure', np.array([])))
@@ -281,7 +287,7 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
     if USUAL_STEP[0] <= step <= USUAL_STEP[1]:
         return
     predicted = experiment.predict(declared)
-    # what a dead sensor does is next to nothing, and would outweigh all else
+    # a dead sensor does next to nothing, as a share of which its error would outweigh all else
     sizes = {name: max(float(np.nanstd(measured)), float(np.std(predicted[name])), SMALLEST)
              for name, measured in experiment.measured.items()}
     given = _miss(experiment, predicted, sizes)
@@ -297,7 +303,7 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
 
 def _miss(experiment: Experiment, predicted: Mapping[str, Array], sizes: Mapping[str, float]
           ) -> float:
-    """Return the error of a prediction, as a share of what each channel does."""
+    """Return the error of a prediction, summed over channels as shares of their `sizes`."""
     every = np.ones(len(experiment.time), dtype=bool)
     return sum(rmse(measured, predicted[name], every) / sizes[name]
                for name, measured in experiment.measured.items())

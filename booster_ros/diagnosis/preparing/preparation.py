@@ -33,16 +33,16 @@ DWELL_FILLED = 30.0
 stem has to follow; where the current or the back pressure does, the chamber has to fill."""
 
 FEWEST_ROWS = 12
-"""Rows that must be comparable at the least."""
+"""Smallest number of rows that must be comparable."""
 
 QUIETING = 25
-"""Samples of a measured drive that are averaged to see what its noise adds."""
+"""Number of samples of a measured drive that are averaged to see what its noise adds."""
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9}
 """
-Noise of a channel in its unit, at the least: what the solver leaves on thinned rows, 2 Pa and
-0.03 um, must not count as something that the model lacks. Sensors resolve far less.
+Smallest noise of a channel, in its unit: what the solver leaves on thinned rows, 2 Pa and 0.03 um,
+must not count as something that the model lacks. Sensors resolve far less.
 """
 
 
@@ -50,7 +50,7 @@ def prepare(
     record: Record, declared: PositionerParameters, dwell: float | None = None
 ) -> Experiment:
     """
-    Return the experiment that a record is.
+    Return the experiment that is made of a record.
 
     The most upstream channels drive, the others are compared; rows in and shortly after gaps of
     the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
@@ -126,7 +126,7 @@ def prepare(
 
 
 def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """Return the record without a current that is 0 wherever a sweep is compared."""
+    """Return the record of a sweep without a current that is 0 in every row that is compared."""
     current = record.columns.get('control_current')
     if current is None or 'time' in record or np.any(np.nan_to_num(current[1:])):
         return record, ()
@@ -150,7 +150,7 @@ def _without_sparse(record: Record, compared: Collection[str]) -> tuple[Record, 
 def _from_known_start(
     record: Record, role: Roles
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Return the columns from the row on, and to the row, at which drives and start are known."""
+    """Return the columns from the first row with drives and start to the last row with drives."""
     drives = list(role.drives)
     needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
     time = record.columns.get('time')
@@ -182,14 +182,14 @@ def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
 def _usable_rows(
     time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
 ) -> Array:
-    """Return which rows have a drive that is known, or was dwelt on."""
+    """Return which rows have known drives that, in a sweep, were dwelt on."""
     usable = np.ones(len(time), dtype=bool)
     if not role.drives:
         return usable
     for name in role.drives:
         usable &= np.isfinite(columns[name])
     if quasi_static:
-        # a row of currents starts settled at its own; only from the next on it was dwelt on
+        # a sweep of currents starts settled at its first one; only later ones were dwelt on
         usable[0] &= not role.commanded
         return usable
     return usable
@@ -215,9 +215,9 @@ def _noise(columns: Mapping[str, Array], rests: list[slice]) -> dict[str, float]
 
 def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
     """
-    Return the noise of a measured drive from its samples, before anything stands between them.
+    Return the noise of a measured drive from its samples, before rows between them are filled.
 
-    What its steps are from one another does not count: levels at which it stood are no resolution.
+    The steps between its values do not count: levels at which it stood are no resolution.
     """
     coloured = noise_of(sampled, rests)
     level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))
@@ -226,7 +226,7 @@ def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
 
 
 def _between_samples(time: Array | None, values: Array) -> Array:
-    """Return what was sampled more slowly than the rows, filled but for its own gaps."""
+    """Return values sampled more slowly than the rows, filled except in gaps of their own."""
     if time is None:
         return values
     known = time[np.isfinite(values)]
@@ -265,10 +265,10 @@ def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
 
 
 def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters) -> Experiment:
-    """Return the experiment with what the noise of measured drives adds to what is compared."""
+    """Return the experiment with what the noise of measured drives adds to that of channels."""
     if not experiment.drive_noise:
         return experiment
-    # noise on top of noise moves a booster, whose two seats differ, by other amounts
+    # noise on top of noise would move a booster whose two seats differ by another amount
     quiet = replace(experiment, pinned={
         name: uniform_filter1d(values, QUIETING * experiment.drive_noise[name].every)
         for name, values in experiment.pinned.items()})

@@ -3,11 +3,11 @@
 """
 Commands that were read now and then, as a plant's historian does, not recorded as they were given.
 
-The valve took each somewhere in the row before. The record tells, as it shows what the valve has
-made of a command before it shows the command. Then
+The valve took each command at some moment in the row before. The record tells that it is so, as it
+shows what the valve has made of a command before it shows the command. Then
 
-1. the command runs straight from row to row: one that moves on slowly did so;
-2. where commands jump the declared model is run several times with each jump at either end of its
+1. the command is taken to run straight from row to row: a command that moves on slowly did so;
+2. where commands jump, the declared model is run several times with each jump at either end of its
    row, and rows count once all runs come to the same, within the noise.
 """
 
@@ -21,24 +21,26 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 AHEAD = 0.2
-"""What the valve has done before the row of a command, as a share of what that does after it."""
+"""What the valve has done before the row of a command, as a share of what the command does after
+it, above which commands were read now and then."""
 
 JUMP = 0.05
-"""A jump of the command, relative to its range."""
+"""Smallest jump of the command, relative to its range."""
 
 AT_REST, FEWEST = AHEAD, 5
 """
-So many jumps tell, before which the model had moved by no more than so much of what it does next: a
-valve that was at rest while the model was still on its way looks ahead by as much.
+Largest movement of the model before a jump that tells, as a share of what it does next, and
+smallest number of such jumps. A valve that was at rest while the model was still on its way looks
+ahead by as much as the model moved.
 """
 
 DRAWS = 8
-"""Runs in which each jump comes at either end of its row, drawn anew: what two of them leave may
-cancel."""
+"""Number of runs, in each of which every jump is drawn anew at either end of its row: what two
+jumps leave may cancel."""
 
 
 def with_sampled_commands(experiment: Experiment, declared: PositionerParameters) -> Experiment:
-    """Return the experiment with what is known of its commands, as it is if they tell when."""
+    """Return the experiment with commands as read now and then, as it is where they were not."""
     if not _ahead_of_commands(experiment, declared):
         return experiment
     current = experiment.current
@@ -69,7 +71,8 @@ def _ahead_of_commands(experiment: Experiment, declared: PositionerParameters) -
     """
     Tell whether the valve moves before the row that has its command.
 
-    Asked where rows are further apart than the E/P converter takes: there it shows, and matters.
+    Asked only where rows are further apart than the time that the E/P converter takes: there it
+    shows, and matters.
     """
     current = experiment.current
     apart = float(np.median(np.diff(experiment.time)))
@@ -82,7 +85,7 @@ def _ahead_of_commands(experiment: Experiment, declared: PositionerParameters) -
 
 
 def _ahead(measured: Array, predicted: Array, jumps: Array, noise: float) -> bool:
-    """Tell it of one channel, by what it does in the row before each jump beyond the model."""
+    """Tell whether a channel moves ahead, by what it does beyond the model just before jumps."""
     after = predicted[jumps + 1] - predicted[jumps]
     before = predicted[jumps] - predicted[jumps - 1]
     early = measured[jumps] - measured[jumps - 1] - before

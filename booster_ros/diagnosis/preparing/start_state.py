@@ -16,7 +16,7 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 _FIRST_ROWS = 5
-"""Rows that are averaged if the signal stands still in them."""
+"""Number of first rows, which are averaged if the signal stands still in them."""
 
 _AT_STOP = 0.02
 """Share of the travel within which a stem may rest against its stop."""
@@ -26,8 +26,8 @@ _FIRST_SECONDS = 3.0
 
 _EVIDENT = 0.1
 _NEARLY_SETTLED = 10e3
-"""Share of the squared error of the first seconds that another start of the converter may leave,
-and how far from settled it must be, Pa, to be taken for one; up to there a fit finds it."""
+"""Largest share of the squared error of the first seconds that another start of the converter may
+leave, and its smallest distance from settled, Pa, to be taken; nearer ones a fit finds."""
 
 _ROWS_FOR_A_START = 12
 """With fewer rows in the first seconds the converter is taken as settled."""
@@ -59,10 +59,10 @@ def first_value(values: Array, noise: float) -> float | None:
 
 def with_start_of_converter(experiment: Experiment, declared: PositionerParameters) -> Experiment:
     """
-    Return the experiment with the E/P converter away from settled where it evidently starts there.
+    Return the experiment with the E/P converter starting away from settled where it evidently did.
 
-    A record may begin with its first command, the converter still at an earlier one. Then the first
-    seconds call for another back pressure by far.
+    A record may begin with its first command while the converter is still at an earlier one. Then
+    the first seconds call for a far different back pressure.
     """
     rows = experiment.time <= experiment.time[0] + _FIRST_SECONDS
     first = replace(
@@ -95,7 +95,7 @@ def _unmeasured_pressure(
     columns: Mapping[str, Array], declared: PositionerParameters, position: float | None
 ) -> float:
     """
-    Return the chamber pressure, Pa gauge, that a pressureless record must have started from.
+    Return the chamber pressure, Pa gauge, at which a record without it must have started.
 
     Off the stops the spring tells it; elsewhere it is where the booster settles.
     """

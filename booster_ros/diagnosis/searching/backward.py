@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Steps 6 and 7 of the selection: each effect is exchanged, left out, and compared again."""
+"""Steps 6 and 7 of the selection: exchange and omit each effect, compare close models again."""
 
 from dataclasses import replace
 
@@ -17,13 +17,13 @@ _Fewer = dict[tuple[Candidate, tuple[str, ...]], Candidate]
 
 STUCK = 2.0
 """
-Without an effect that is not told from none, or that another one has in it, a model scores as with
-it: one whose score is so many times as large got stuck.
+Ratio of scores, without an effect to with it, above which the fit without it got stuck: without an
+effect that is not told from none, or that another one contains, a model scores as it does with it.
 """
 
 
 def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
-    """Carry out steps 6 and 7: each effect is exchanged and left out, what is close fitted anew."""
+    """Carry out steps 6 and 7: exchange each effect, leave each out, fit close models anew."""
     everything = list(tried.all)
     fewer: _Fewer = {}
     chosen = _exchanged(search, tried.chosen, everything, tell, fewer)
@@ -38,9 +38,10 @@ def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
 def _without(search: Search, chosen: Candidate, name: str, everything: list[Candidate],
              fewer: _Fewer) -> Candidate:
     """
-    Return the chosen model with one effect less, fitted once.
+    Return the chosen model without the effect `name`, fitted once and kept in `fewer`.
 
-    Where the stem sticks the fit of the round that had it serves: another takes long.
+    Where the stem sticks, the fit of an earlier round with these effects serves: another takes
+    long.
     """
     rest = tuple(e for e in chosen.effects if e != name)
     if (chosen, rest) not in fewer:
@@ -54,11 +55,11 @@ def _without(search: Search, chosen: Candidate, name: str, everything: list[Cand
 def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress,
                fewer: _Fewer) -> Candidate:
     """
-    Try every other effect in the place of each of several.
+    Try every other effect in the place of each of several effects.
 
-    The first was chosen while the others were missing and may have imitated them; what does as
-    well in its place is told apart from it here, or reported beside it. In the place of the last
-    all others have been tried already.
+    The first effect was chosen while the later ones were missing, and may have imitated them.
+    Another that does as well in its place is told apart from it here, or reported beside it. In
+    the place of the last effect, all others have been tried already.
     """
     for k, name in enumerate(chosen.effects[:-1]):
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
@@ -76,15 +77,16 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
 
 def _not_instead(chosen: Candidate, parent: Candidate, name: str, names: tuple[str, ...]
                  ) -> tuple[str, ...]:
-    """Return the effects not to be tried in the place of `name`; the parent lacks it."""
-    if has_dry_friction(parent.fit.parameters.actuator):  # those of a stem that sticks take minutes
+    """Return the effects not to be tried in the place of `name`, which `parent` is without."""
+    # effects of a stem that sticks take minutes to fit
+    if has_dry_friction(parent.fit.parameters.actuator):
         return (name, *(other for other in names if not shows_above_the_stem(other)))
     return () if has_dry_friction(chosen.fit.parameters.actuator) else (name,)
 
 
 def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fewer: _Fewer
               ) -> Candidate:
-    """Leave out every effect that the others do not need."""
+    """Leave out every effect that has a fault, or without which the others do as well."""
     if len(chosen.effects) < 2:
         return chosen
     for name in chosen.effects:

@@ -1,18 +1,18 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where a discrepancy is born: what the channel in between says before any name is tried.
+Where a discrepancy is born: what the chamber pressure says before any effect is tried.
 
-Model: all that lies above the stem, driven by the measured current and the measured stem (see
-cascade), with its declared parameters refitted. What is missing there shows in its pressure as
-much as in the whole's; what is missing in the stem or in its sensor shows in the whole alone, where
-whatever bends the pressure can imitate it.
+Model: the part of the positioner above the stem, driven by the measured current and the measured
+stem (see cascade), with its declared parameters refitted. What is missing in this part shows in
+its pressure as much as in that of the whole model. What is missing in the stem or in its sensor
+shows in the whole model alone, where whatever bends the pressure can imitate it.
 
 1. Refit the part above the stem to the measured pressure.
-2. Where the whole leaves far more than that part, only what belongs to the stem or to a sensor is
-   tried, with a name or without one.
-3. Where no effect alone helps the whole, one above the stem and friction, say, that part tells the
-   one above without the other.
+2. Where the whole model leaves far more than this part, try only what belongs to the stem or to a
+   sensor, with a name or without one.
+3. Where no effect alone helps the whole model, as two are missing (one above the stem, and
+   friction, say), find the one above the stem in this part, without the other.
 """
 
 from dataclasses import replace
@@ -25,12 +25,16 @@ from booster_ros.model.catalogue import EFFECTS
 
 HARDLY = 0.02
 """
-Share of the whole's excess over noise up to which the part above the stem has hardly any. What is
-missing above leaves 0.4 or more, beside something of the stem 0.04 or more.
+Share of the whole model's excess over noise: if the part above the stem leaves no more than this,
+hardly anything is missing there. What is missing above the stem leaves 0.4 or more; beside
+something missing in the stem, 0.04 or more.
 """
 
 SMOOTHED = 3.5
-"""Mean square misfit up to which that part is right: what smoothing the measured stem may leave."""
+"""
+Mean square misfit up to which the part above the stem counts as right: smoothing the measured stem
+may leave as much.
+"""
 
 _BELOW = frozenset({'stem', 'sensor'})
 
@@ -48,7 +52,7 @@ def where_born(search: Search, refit: Candidate) -> Search:
 
 
 def called_for_above(search: Search, refit: Candidate) -> Candidate | None:
-    """Return the whole with the effect that the part above the stem calls for, None without one."""
+    """Return the whole model with the effect that the part above the stem calls for, or None."""
     above = search_above(search)
     if above is None:
         return None

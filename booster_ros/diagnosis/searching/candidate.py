@@ -16,33 +16,33 @@ NEAR_NOISE = 1.15
 """Mean square misfit below which no further effect is looked for."""
 
 WORTH_ADDING = 0.05
-"""An effect must lower the score by this share: less is below what noise and rounding hide."""
+"""Share by which an effect must lower the score: noise and rounding hide a smaller fall."""
 
 WORTH_EXPLAINING = 0.3
-"""And it must explain this share of what noise does not."""
+"""Share that an effect must explain, too, of what noise does not explain."""
 
 NEARLY_ALL = 0.1
-"""Of what noise does not explain, the share that an effect may leave which one segment shows."""
+"""Share of what noise does not explain that an effect may leave if only one segment shows it."""
 
 FAINTEST_COST, FAINTEST_SCORE, STANDARD_ERRORS = 16.0, 8.0, 2.0
 """
-Fall of the cost, of the score, and that in its standard errors, from which an effect shows though
-it matters little. In 20 clean records the best of the catalogue lowers the one by 11 at the most,
-the other by 5.
+Fall of the cost, fall of the score, and fall of the score in its standard errors, above which an
+effect shows though it matters little. In 20 clean records the best effect of the catalogue lowers
+the cost by 11 at the most, the score by 5.
 """
 
 FAR_BEYOND_CHANCE = 40.0
-"""A fall of the score that is no chance however few segments it is in, and so however large its
-standard error."""
+"""Fall of the score that is no chance, however few segments it comes from, and so however large
+its standard error is."""
 
 TOO_SIMILAR = 0.05
 """Models whose scores differ by less than this share are not told apart by a record."""
 
 UNLIKELY = 9.0
-"""A model that costs so much more than another, fitted to all the same rows, is unlikely."""
+"""Excess of cost above which a model is unlikely beside another fitted to all the same rows."""
 
 NOT_TOLD_APART = 'not told apart from the choice by this record'
-"""Why a model is not the choice that could as well be it."""
+"""Reason given for a model that is not the choice, but could as well be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +51,10 @@ class Candidate:
     A model: its effects, its fit, and how it scores on the select segments.
 
     `confirmed` says that its last effect explains enough of what is seen above the stem, where
-    the stem's friction blurs the whole; `lasting` are those that take away up there what no slip
-    explains; `fault` says why its last effect is none that this record shows, `learnt` that
-    it was fitted to the select segments as well.
+    the stem's friction blurs the whole. `lasting` are those of its effects that take away, above
+    the stem, what no slip explains. `fault` says why this record does not show its last effect, or
+    after a rematch one of its effects. `learnt` says that it was fitted to the select segments as
+    well.
     """
 
     effects: tuple[str, ...]
@@ -80,9 +81,9 @@ class Candidate:
 
 def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
     """
-    Return by how much the score falls, and the standard error of that, paired by segment.
+    Return by how much the score falls, and the standard error of that fall, paired by segment.
 
-    A model that did not come to the end scores infinitely much, and for certain.
+    A model whose run did not come to the end has an infinite score, and a standard error of 0.
     """
     if not (np.isfinite(worse.score) and np.isfinite(better.score)):
         return (0.0 if worse.score == better.score else worse.score - better.score), 0.0
@@ -94,10 +95,11 @@ def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
 
 def explains(fit: Fit, before: Fit, rows: int) -> bool:
     """
-    Tell whether the first of two fits explains what matters of what the other leaves.
+    Tell whether `fit` explains a share that matters of what the fit `before` leaves.
 
-    `rows` are the values of all channels that both are fitted to, which is what noise alone costs.
-    It matters by WORTH_ADDING of the cost, and WORTH_EXPLAINING of what is above noise.
+    It has to explain more than WORTH_ADDING of the cost, and more than WORTH_EXPLAINING of what is
+    above noise. `rows` is how many values of all channels both are fitted to, and so what noise
+    alone costs.
     """
     fall = before.cost - fit.cost
     return fall > WORTH_ADDING * before.cost and fall > WORTH_EXPLAINING * (before.cost - rows)
@@ -105,10 +107,10 @@ def explains(fit: Fit, before: Fit, rows: int) -> bool:
 
 def clearly_better(better: Candidate, worse: Candidate) -> bool:
     """
-    Tell whether the score falls by more than one standard error and by what matters.
+    Tell whether the score falls by more than one standard error and by a share that matters.
 
-    Or that it has an effect more that shows where slips, of which scores are made where a stem
-    sticks, do not decide.
+    Or whether `better` has a lasting effect that `worse` lacks. Such an effect shows where slips
+    do not decide; where a stem sticks, slips are what scores are made of.
     """
     if better.lasting.difference(worse.effects):
         return True
@@ -121,10 +123,10 @@ def clearly_better(better: Candidate, worse: Candidate) -> bool:
 
 def shows_faintly(better: Candidate, worse: Candidate) -> bool:
     """
-    Tell whether score and cost fall beyond doubt, be it by a share that would not matter elsewhere.
+    Tell whether score and cost fall beyond doubt, even by a share too small to matter elsewhere.
 
-    For models without a fault that were fitted to every row. How much noise does not explain, and
-    so what share of that an effect takes, is not asked: the noise is known to some percent only.
+    For models without a fault that were fitted to every row. The share that the effect explains of
+    what noise does not is not asked: the level of the noise is known to some percent only.
     """
     fall, error = gain(worse, better)
     return worse.fit.cost - better.fit.cost > FAINTEST_COST and fall > max(
@@ -133,11 +135,11 @@ def shows_faintly(better: Candidate, worse: Candidate) -> bool:
 
 def _seen_twice(better: Candidate, worse: Candidate) -> bool:
     """
-    Tell whether fit and select segments show the same, and none shows the reverse.
+    Tell whether fit and select segments show the same fall, and no select segment the reverse.
 
-    What happens in one select segment only, a stem that reaches its seat, say, has a standard error
-    as large as itself. It counts if it takes nearly all that noise does not explain there, and in
-    the fit segments as well.
+    A fall in one select segment only (the stem reaches its seat there, say) has a standard error
+    as large as itself. It counts if the better model takes away nearly all that noise does not
+    explain, in the select segments and in the fit segments as well.
     """
     fitted, before = (one.fit.cost / max(one.problem.rows_counted(), 1) for one in (better, worse))
     falls = worse.by_segment - better.by_segment
@@ -161,7 +163,7 @@ def preferred_first(candidates: list[Candidate]) -> list[Candidate]:
 
 
 def best_of_each(candidates: Iterable[Candidate]) -> dict[frozenset[str], Candidate]:
-    """Return the best of the models by their effects, in whatever order: by score, best first."""
+    """Return the best model of each set of effects, by that set; the best score comes first."""
     best: dict[frozenset[str], Candidate] = {}
     for one in sorted(candidates, key=lambda c: c.score):
         best.setdefault(frozenset(one.effects), one)
@@ -170,10 +172,11 @@ def best_of_each(candidates: Iterable[Candidate]) -> dict[frozenset[str], Candid
 
 def plainness(candidate: Candidate, behind: float) -> tuple[bool, int, int]:
     """
-    Return what models that a record does not tell apart are ranked by, the plainest first.
+    Return the key by which models that a record does not tell apart are ranked, plainest first.
 
-    Those that the data make unlikely, `behind` the best by too much cost, come last; then fewest
-    sizes; then the order of the catalogue, which lists common causes first.
+    `behind` is how much more the model costs than the best; models that this makes unlikely come
+    last. Among the others, the fewest sizes come first; then the order of the catalogue counts,
+    which lists common causes first.
     """
     order = list(EFFECTS)
     return (behind > UNLIKELY, _sizes_shown(candidate),
@@ -187,7 +190,7 @@ def _sizes_shown(candidate: Candidate) -> int:
 
 
 def told_apart(worse: Candidate, better: Candidate) -> bool:
-    """Tell whether the record prefers one model: by a standard error and a share that matters."""
+    """Tell whether the record prefers `better`, by a standard error and a share that matters."""
     fall, error = gain(worse, better)
     return fall > TOO_SIMILAR * better.score and fall > error
 

@@ -1,11 +1,11 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The positioner above its stem, driven by the measured stem.
+The part of the positioner above its stem, driven by the measured stem.
 
 Packing friction makes a record nearly unpredictable in detail: which slip comes when decides what
-follows. A model of all that is driven by the measured current and the measured position knows no
-friction: it says what lies above the stem, in a fraction of the time.
+follows. A model of the part above the stem, driven by the measured current and the measured
+position, knows no friction: it tells what lies above the stem, in a fraction of the time.
 """
 
 from dataclasses import replace
@@ -26,10 +26,11 @@ from booster_ros.records.holding import bridged
 Array = np.ndarray
 
 WINDOW = 11
-"""Rows over which the measured position is smoothed to have a velocity."""
+"""Rows over which the measured position is smoothed, so that it has a velocity."""
 
 THINNING = 3
-"""A driving position needs its rows closer together than a current that stands."""
+"""Fits above the stem use every third row: a position that drives the model needs its rows closer
+together than a current that stands."""
 
 _PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
 _PARAMETERS = ('actuator.dead_volume',)
@@ -40,7 +41,8 @@ def above_the_stem(experiment: Experiment) -> Experiment | None:
     """
     Return the experiment with position and velocity as drives and the pressure compared.
 
-    None where position or pressure was not measured, or rows are too few or too far apart for it.
+    None where position or pressure was not measured, where another channel drives the model, in a
+    sweep without a clock, or where rows are too few or too far apart for it.
     """
     both = {'chamber_pressure', 'valve_position'} <= set(experiment.measured)
     if not both or experiment.pinned or experiment.quasi_static:
@@ -87,10 +89,11 @@ def search_above_friction(search: Search, fit: Fit) -> Search | None:
 
 def fitted_above(search: Search, candidate: Candidate, roles: tuple[str, ...]) -> Candidate | None:
     """
-    Return what a model has above a stem that sticks, as the measured stem tells it.
+    Return the part of a model above a stem that sticks, fitted with the measured stem as drive.
 
-    What was fitted before friction was in the model had imitated it, and a fit of all at once
-    stays there: which slip comes when makes its cost rough. Above the stem nothing is rough.
+    Parameters that were fitted before friction was in the model had imitated it, and a fit of the
+    whole leaves them there: which slip comes when makes its cost rough. Above the stem nothing is
+    rough.
     """
     above = search_above_friction(search, candidate.fit)
     if above is None:
@@ -103,10 +106,10 @@ def fitted_above(search: Search, candidate: Candidate, roles: tuple[str, ...]) -
 
 def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[str, ...]) -> Array:
     """
-    Return z with what lies above a stem that sticks as fitted there.
+    Return z with the parameters of the part above a stem that sticks as fitted in that part.
 
-    Of the stem itself viscous friction had imitated the other kind: it is as declared, and that
-    other kind is sought anew.
+    Of the stem's own parameters, viscous friction had imitated dry friction: it is set back to the
+    declared value, and dry friction is sought anew.
     """
     upper = fitted_above(search, candidate, roles)
     if upper is None:

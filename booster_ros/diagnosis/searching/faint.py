@@ -3,16 +3,17 @@
 """
 Effects that matter little and show all the same, where all that is left could be noise.
 
-What an effect takes away may be less than what the level of the noise is known to, and still be
-beyond doubt, as its trace is not that of noise. Thinned rows hide it. So:
+What an effect takes away may be less than the uncertainty of the noise's level and still be beyond
+doubt, as the effect's trace is not that of noise. Thinned rows hide it. So:
 
 1. fit the model to every row;
 2. simulate each effect of the catalogue in a small size, once, and reckon by how much it lowers the
    cost with all other parameters reacting (see screening.promise): a score test (C. R. Rao, 1948);
 3. fit those that promise most, and those that thinned rows already call for, to every row;
-4. those show that lower the cost and the score beyond what the best of a whole catalogue does by
-   chance, by two standard errors, are told from none, and do so beside the model fitted from where
-   they end themselves: a better place for the declared parameters is no effect.
+4. an effect shows if it lowers the cost and the score by more than the best of a whole catalogue
+   does by chance, lowers the score by two standard errors, and is told from none. It has to show
+   as well beside the model without it, fitted from where the fit with it ended: a better place for
+   the declared parameters is no effect.
 """
 
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
@@ -23,13 +24,13 @@ from booster_ros.diagnosis.searching.screening import (
 from booster_ros.diagnosis.searching.search import EVALUATIONS, Search, carried
 
 PERHAPS = 15.0
-"""On thinned rows an effect has to lower the cost by so much to be fitted to every row."""
+"""Fall of the cost on thinned rows above which an effect is fitted to every row."""
 
 HALF = 0.5
-"""Share of the fall of the cost that is asked for that a promise has to come to."""
+"""Share that an effect has to promise of the fall of the cost that is asked for."""
 
 MOST = 3
-"""So many of the effects that promise most are fitted."""
+"""Number of effects that are fitted: those that promise most."""
 
 
 def shown_on_every_row(search: Search, found: Candidate, ranked: list[Candidate]
@@ -37,8 +38,8 @@ def shown_on_every_row(search: Search, found: Candidate, ranked: list[Candidate]
     """
     Return the models with an effect that every row shows, best first.
 
-    `ranked` are those fitted to thinned rows. None where effects were found already, or `found`
-    leaves more than noise.
+    `ranked` are models fitted to thinned rows. No model is returned where effects were found
+    already, or where `found` leaves more than noise.
     """
     if found.effects or found.misfit > NEAR_NOISE:
         return []

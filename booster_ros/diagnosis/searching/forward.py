@@ -21,36 +21,42 @@ from booster_ros.model.actuator import has_dry_friction
 
 MOST_EFFECTS = 3
 MOST_BESIDE_STICKING = 2
-"""Effects in all: where the stem sticks, which slip comes when hides a third, and costs minutes."""
+"""
+Effects in all, at the most; fewer where the stem sticks: which slip comes when hides a third one
+there, and looking for it takes minutes.
+"""
 
 NEGLIGIBLE = 2e-3
-"""Of the declared model's excess over noise, this share may be what idealising an effect leaves."""
+"""Share of the declared model's excess over noise that idealising an effect may leave."""
 
 WELL_EXPLAINED = 1.5
 """
-Mean square misfit up to which noise could be all there is: where nothing was chosen, or friction is
-idealised.
+Mean square misfit up to which all that is left could be noise, where nothing was chosen or
+friction is idealised.
 """
 
 SURE = 40.0
 """
-Where noise could be all, an effect must lower the cost of the fit by this as well. The best of the
-catalogue lowers that of a clean record by 5 to 10.
+Fall of the cost of the fit that an effect must bring as well where all that is left could be
+noise. The best effect of the catalogue lowers the cost of a clean record by 5 to 10.
 """
 
 MOST_ENDS = 3
-"""So many effects that show beside a refit are fitted to their end, to show beside that of it."""
+"""
+Number of effects that show beside a model and are then fitted to their end: they have to show
+beside that model fitted to its end, too.
+"""
 
 CLEARED = 0.3
-"""Of what is left above noise, the share that an effect may leave where little was left."""
+"""Share of what is left above noise that one more effect may leave where little was left."""
 
 
 def named(search: Search, refit: Candidate, tell: Progress,
           beyond: Callable[[Tried], bool] = lambda tried: False) -> Tried:
     """
-    Carry out steps 2 to 5 of the search: effects are added to the declared model refitted.
+    Carry out steps 2 to 5 of the search: add effects to the refitted declared model.
 
-    `beyond` is asked before a third one is looked for, and tells whether that would be in vain.
+    `beyond` is asked before a third effect is looked for, and tells whether that would be in vain.
     """
     everything = [refit]
     noise = refit if _explained(refit, refit) else taught(search, refit)
@@ -102,9 +108,10 @@ def _added(search: Search, refit: Candidate, everything: list[Candidate], tell: 
 def _leading(search: Search, chosen: Candidate, ranked: list[Candidate],
              everything: list[Candidate]) -> Candidate:
     """
-    Return what to go on from where no effect is called for: the one above the stem, or the best.
+    Return the model to go on from where no effect is called for.
 
-    Of two effects either alone may look like none, or be at a bound.
+    It has the effect that the part above the stem calls for, else it is the best of the round: of
+    two missing effects, either alone may look like none, or be at a bound.
     """
     above = None if chosen.effects else called_for_above(search, chosen)
     if above is None:
@@ -116,11 +123,11 @@ def _leading(search: Search, chosen: Candidate, ranked: list[Candidate],
 def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: list[Candidate]
                ) -> Candidate:
     """
-    Return the model better fitted, in its own place, before a next effect is looked for.
+    Return the model better fitted before a next effect is looked for; put it in its own place.
 
-    To every row, if that leaves noise: thinned rows blur when something happened, a dead time,
-    say, and hardly save time beside another round. Where the stem sticks, from what is seen above
-    it.
+    It is fitted to every row, and that fit is taken if it leaves noise: thinned rows blur when
+    something happened (a dead time, say), and save little time compared with another round. Where
+    the stem sticks, it is fitted from what is seen above the stem.
     """
     if not chosen.effects:
         return chosen
@@ -137,22 +144,23 @@ def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: 
 def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
            everything: list[Candidate], tell: Progress) -> Candidate:
     """
-    Return `found` with an effect more that shows clearly though all could be noise, else `noise`.
+    Return `found` with one more effect that shows clearly though all could be noise, else `noise`.
 
-    `noise` is the same model, or that as it has learnt the select segments, which may have been to
-    do what the effect does.
+    `noise` is the same model, or the same taught by the select segments, which may have taught it
+    to do what the effect does.
 
-    The level of the noise is known to some percent only; what follows an effect's own trace in
-    segments it was fitted to, and in those it was not, is seen through it. Where nothing has been
-    added yet an effect need not matter much, if every row shows it. Not beside effects where
-    the stem sticks: what idealised friction leaves is no noise, and that round takes minutes.
+    The level of the noise is known to some percent only. Yet what follows an effect's own trace,
+    in segments it was fitted to and in those it was not, is seen all the same. Where nothing has
+    been added yet, an effect need not matter much if every row shows it. Where the stem sticks,
+    none is looked for beside effects: what idealised friction leaves is no noise, and that round
+    takes minutes.
     """
     worth = found.fit.cost - (SURE if found.effects else PERHAPS)
     in_vain = found.effects and has_dry_friction(found.fit.parameters.actuator)
     ranked = [] if in_vain else _round(search, found, level, tell, worth=worth)
     everything += ranked
     shown = _surely_better(ranked, found)
-    if shown:  # short of its end a model misses what another one only took some steps more for
+    if shown:  # short of its end, a model may lack only the further steps that another one took
         end, *ends = map(search.at_its_end, (found, *shown[:MOST_ENDS]))
         shown = _surely_better(ends, end)
         everything += shown
@@ -167,7 +175,7 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
 
 
 def _surely_better(ranked: list[Candidate], found: Candidate) -> list[Candidate]:
-    """Return those that show clearly beside a model of which all that is left could be noise."""
+    """Return the models clearly better than `found`, of which all that is left could be noise."""
     return [one for one in ranked if not one.fault and clearly_better(one, found)
             and one.fit.cost < found.fit.cost - SURE]
 
@@ -179,7 +187,7 @@ def _most(chosen: Candidate) -> int:
 
 
 def _patience(chosen: Candidate) -> int:
-    """Return how many rounds may find nothing clear: of two effects each alone may not show."""
+    """Return how many rounds may find nothing clear: of two effects, neither may show alone."""
     slow = has_dry_friction(chosen.fit.parameters.actuator)
     return 1 if chosen.misfit > WELL_EXPLAINED and not slow else 0
 
@@ -188,9 +196,9 @@ def _explained(chosen: Candidate, refit: Candidate) -> bool:
     """
     Tell whether what is left is noise.
 
-    Where nothing has been added yet, noise must be all that is left of the fit segments as well: an
-    effect may show in few segments only. Where the stem sticks, what idealising its friction may
-    leave is taken for noise: no model repeats every slip, and another round takes minutes.
+    Where nothing has been added yet, noise must be all that is left in the fit segments as well:
+    an effect may show in few segments only. Where the stem sticks, what idealising its friction
+    may leave is taken for noise: no model repeats every slip, and another round takes minutes.
     """
     if has_dry_friction(chosen.fit.parameters.actuator) and _idealised(chosen, refit):
         return True
@@ -203,7 +211,7 @@ def _all_taught(search: Search, ranked: list[Candidate], everything: list[Candid
     """
     Return the models of a round, best first, some of them taught by the select segments as well.
 
-    What was taught counts in place of what was not.
+    A model that was taught counts in place of the same model before.
     """
     learnt = []
     for one in ranked:
@@ -215,21 +223,21 @@ def _all_taught(search: Search, ranked: list[Candidate], everything: list[Candid
 
 
 def _idealised(chosen: Candidate, refit: Candidate) -> bool:
-    """Tell whether idealising the effects so far may leave as much, beside all they explain."""
+    """Tell whether so small a share is left that it may come of idealising the effects so far."""
     return bool(chosen.effects) and chosen.misfit - 1.0 < NEGLIGIBLE * (refit.misfit - 1.0)
 
 
 def _adding(ranked: list[Candidate], chosen: Candidate, refit: Candidate) -> list[Candidate]:
     """
-    Return those of a round, best first, that are called for.
+    Return the models of a round that are called for, best first.
 
-    Where scores do not tell them apart, the plainest may fall short of that and the next not.
+    Of models that scores do not tell apart, the plainest may fall short of that, and the next not.
     """
     return [one for one in ranked if _adds(one, chosen, refit)]
 
 
 def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:
-    """Tell whether one effect more is called for; where little is left, only if it clears that."""
+    """Tell whether one more effect is called for: one that clears it, where little is left."""
     return not better.fault and clearly_better(better, chosen) and (
         not _idealised(chosen, refit) or better.misfit - 1.0 < CLEARED * (chosen.misfit - 1.0))
 

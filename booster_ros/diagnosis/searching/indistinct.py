@@ -3,16 +3,16 @@
 """
 Which effects a record cannot tell from one that it shows, whatever the noise of the day was.
 
-Model: were a fitted effect the truth, the record would be what the model predicts, and another
-effect in its place would leave in it what no parameter can imitate. Scaled by the noise, the sum
-of squares of that is what the other costs more than the truth, on average over all noise.
+Model: if a fitted effect were the truth, the record would be what the model predicts, and another
+effect in its place would leave unexplained what no parameter can imitate. Scaled by the noise, the
+sum of squares of that is what the other costs more than the truth, on average over all noise.
 
 1. the measured values are replaced by the prediction of the fit;
 2. the effect is taken out, all else stays;
-3. every other effect is screened in its place (see screening: projected off the sensitivities of
-   all other parameters, then a few steps, for effects are not linear).
+3. every other effect is screened in its place (see screening: what all other parameters can
+   imitate is projected off, then a few steps follow, as effects are not linear).
 
-Where the cost is less than what makes a model unlikely, no fit to this record can decide.
+Where that cost is less than what makes a model unlikely, no fit to this record can decide.
 """
 
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ _A_FREQUENCY = np.array([0.5])
 
 @dataclass(frozen=True)
 class Alike:
-    """An effect, what it would cost more than the one it stands in for, and where to fit it."""
+    """An effect, how much more it would cost than the one it replaces, and where a fit begins."""
 
     effect: str
     cost: float

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""When terms without a name compete with the named effects, which is best, and its last fit."""
+"""Terms without a name: when they compete with named effects, which is best, and its last fit."""
 
 from dataclasses import replace
 
@@ -25,53 +25,62 @@ Array = np.ndarray
 
 MOSTLY = 0.03
 """
-Share of the declared model's excess over noise below which no nameless term competes with a single
-name, nor with several where the stem sticks.
+Share of the declared model's excess over noise: where named effects leave less, no term without a
+name competes with a single one, nor with several where the stem sticks.
 """
 
 FORESEEN = 0.2
 """
-Share of it below which a term over time must do more: it says what was, not what comes. Above it a
-single name has explained little.
+Share of the same excess: where named effects leave less, a term over time must do more than other
+terms, as it says what was, not what comes. A single name that leaves more has explained little.
 """
 
 FAITHFUL = 3.0
-"""The misfit that it must reach then; and where nothing drives the record, none counts."""
+"""
+Mean square misfit that a term over time must stay below in that case, in which none counts where
+nothing drives the record.
+"""
 
 WITHIN_REACH = 5.0
 POINTED_AT = 2.0
-"""Terms are tried that reach a cost up to so many times the least, by linear reckoning, and begun
-where it points up to this: where much is missing it is far off for the others."""
+"""
+Multiples of the least cost that a term reaches by linear reckoning: terms up to the first are
+tried, and up to the second they begin where the reckoning points. For the others, the reckoning is
+far off where much is missing.
+"""
 
 LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
 BEYOND = 0.5
-"""Share of what several named effects leave: a term that leaves less settles it. To exchange them
-takes as long as all that went before."""
+"""
+Share of what several named effects leave: a term that leaves less settles the matter without an
+exchange of them, which takes as long as all that went before.
+"""
 
 
 def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     """
     Return the best model with a tabulated term, then those that this record cannot tell from it.
 
-    None where named effects explain the record. Of those that score nearly the same the first is
-    the one whose kind comes first in unknown.terms: converters creep and drift more often than
-    supplies sag. Beside named effects the select segments may teach a term over a state what the
-    fit segments could not, as they may teach those: names that compete here left more than noise
-    where they were fitted, or still did when taught.
+    No model is returned where named effects explain the record. Of terms that score nearly the
+    same, the first is the one whose kind comes first in unknown.terms: converters creep and drift
+    more often than supplies sag. Where there are named effects, the select segments may teach a
+    term over a state what the fit segments could not, as they may teach the named effects: those
+    that compete here left more than noise where they were fitted, or still did when taught.
 
-    Where no named effect helps and much is left, noise is no explanation either: then the terms
+    Where no named effect helps and much is left, noise is no explanation either. Then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
-    Each has to explain there what a named effect has to, and one over time, which bends to all it
-    is fitted to, has to leave near the noise.
+    There, each has to explain as much as a named effect has to; one over time, which bends to all
+    it is fitted to, also has to come near the noise.
     """
     if not compete(tried):
         return []
     foreseen = bool(tried.chosen.effects) and leave_less(tried, FORESEEN)
     candidates = []
     for label, joint, z in _likely(search, tried.refit, foreseen):
-        fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))  # places differ by little
+        # terms in different places differ little in cost
+        fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))
         candidates.append(search.rate((UNNAMED + label,), joint, fit))
     if tried.chosen.effects:
         candidates = [one if over_time(one) else taught_what_it_missed(search, one) or one
@@ -99,9 +108,10 @@ def compete(tried: Tried) -> bool:
     Tell whether the named effects leave so much that terms without a name compete.
 
     A single effect may leave a small share of what was missing, as the law behind a name is never
-    quite the valve's; several together bend to what none of them is, and leave noise or compete.
-    Friction is idealised, so where the stem sticks several may leave that share too, and a single
-    one WELL_EXPLAINED, which is what the declared model may where nothing was chosen.
+    quite the valve's. Several together bend to what none of them is: they leave noise, or terms
+    compete with them. Friction is idealised, so where the stem sticks several effects may leave
+    that share, too, and a single one may leave WELL_EXPLAINED, as may the declared model where
+    nothing was chosen.
     """
     chosen = tried.chosen
     sticks, several = has_dry_friction(chosen.fit.parameters.actuator), len(chosen.effects) > 1
@@ -117,10 +127,10 @@ def leave_less(tried: Tried, share: float) -> bool:
 
 def as_good(candidates: list[Candidate], best: Candidate) -> list[Candidate]:
     """
-    Return those that score nearly as the best, in their order, then those not told from it.
+    Return those scoring nearly as well as the best, in their order, then those not told from it.
 
-    One over time follows whatever happens, and says nothing of what comes: it stands behind one
-    over a state that does as well.
+    A term over time follows whatever happens and says nothing of what comes: it stands behind a
+    term over a state that does as well.
     """
     equal = [one for one in candidates if one.score < (1.0 + TOO_SIMILAR) * best.score]
     equal.sort(key=over_time)
@@ -132,9 +142,9 @@ def preferable(unnamed: Candidate, tried: Tried) -> bool:
     """
     Tell whether the term without a name is the verdict, and not the named effects chosen.
 
-    Several effects together bend to much that none of them is, and one that leaves a good share of
-    what is missing has explained little: where such leave structure, one term in one place that
-    leaves less is the more honest word.
+    Several effects together bend to much that none of them is, and a single one that leaves a good
+    share of what is missing has explained little. Where such effects leave structure, one term in
+    one place that leaves less is the more honest answer.
     """
     named = tried.held_out
     if not tried.chosen.effects or clearly_better(unnamed, named):
@@ -147,7 +157,7 @@ def beyond_names(unnamed: list[Candidate], tried: Tried) -> bool:
     """
     Tell whether no exchange of named effects is likely to do as well as a term does.
 
-    Several are left far behind by it, or it alone leaves noise.
+    Either it leaves several of them far behind, or it alone leaves noise and is clearly better.
     """
     if not unnamed or not tried.chosen.effects:
         return False
@@ -166,8 +176,9 @@ def term_alone(search: Search, candidate: Candidate, before: Fit) -> tuple[Probl
     """
     Return a term over time fitted with all else as the refit left it.
 
-    It says what was, not what comes: at any other time the model is what is left without it. Joint
-    with the term the declared parameters go to where they are right only as long as it lasts.
+    The term says what was, not what comes: at any other time the model is what is left without it.
+    Fitted jointly with the term, the declared parameters go to where they are right only as long
+    as it lasts.
     """
     joint = search.on(candidate.problem, USED, 1)
     declared = len(search.freedoms)
@@ -182,10 +193,10 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     """
     Return the terms worth a whole fit, in the order of unknown.terms: label, problem, first z.
 
-    Linear reckoning ranks them badly where a stem sits on its seat until it jumps, or where the
+    Linear reckoning ranks terms badly where a stem sits on its seat until it jumps, or where the
     refit of the declared parameters has gone far to imitate what is missing. So the first steps of
-    a fit decide; of terms that rank badly they are from the parameters as given. Rows of a sweep
-    are no time in which anything could be forgotten.
+    a fit decide; those of a term that ranks badly begin at the parameters as given. In a sweep, no
+    term over a change is tried: its rows are no time in which anything could be forgotten.
     """
     experiment, thin = search.experiment, refit.problem
     still = np.ptp(experiment.current) == 0.0 and all(

@@ -4,11 +4,11 @@
 The next effect: which ones are worth a fit beside those a model has, and how far each gets.
 
 1. Screen every effect in the catalogue with the declared parameters reacting (see screening).
-2. Fit the most promising a few steps from both starts that screening found.
-3. Fit the cheapest to their end, and those near the best on equal terms with it.
+2. Fit the most promising a few steps from each start that screening found.
+3. Fit the cheapest to their end, and bring those near the best to equal terms with it.
 
-Where the stem sticks, what lies above it is screened and fitted with the stem driven as measured
-(see cascade), and only then in the whole.
+Where the stem sticks, effects above it are screened and fitted with the stem driven as measured
+(see cascade), and only then fitted in the whole model.
 """
 
 from collections.abc import Callable
@@ -30,41 +30,42 @@ from booster_ros.model.catalogue import EFFECTS
 
 PROMISING = 6
 FIRST_EVALUATIONS = 4
-"""Effects per round that are fitted for so many steps from each of their starts."""
+"""Effects per round that get first steps of a fit, and how many, from each of their starts."""
 
 FINALISTS = 6
 HOPELESS = 6.0
 CLOSE = 3.0
 """
-Fits per round that are carried to their end, unless they cost so much more than the best: the
-second figure where the stem sticks, as fits are slow there, and for being carried on with the best.
+Fits per round that are carried to their end, and multiples of the best cost above which they are
+not: HOPELESS, or CLOSE where the stem sticks, as fits are slow there. Up to CLOSE, fits are also
+brought to equal terms with the best.
 """
 
 OTHER_START = 2.0
-"""A fit from an effect's other start is given up when it costs so much more than the first."""
+"""Multiple of the cost of an effect's first fit above which one from another start is given up."""
 
 AS_GOOD_ABOVE = 1.1
 """
-Above a stem that sticks, an effect that costs so much more than the best is not tried in the whole:
-up there nothing blurs which it is.
+Multiple of the least cost in the part above a stem that sticks: an effect that costs more there is
+not tried in the whole model, as nothing in that part blurs which effect it is.
 """
 
 SEEN_IN_MEANS = 0.4
 """
-Share of the cost of means over slips that an effect above the stem takes away if it lasts: it is
-tried, and may be called for, though single rows hardly show it.
+Share of the cost of means over slips that an effect above the stem takes away if it lasts: then it
+is tried, and may be called for, though single rows hardly show it.
 """
 
 STILL_FAR = 2.0
 """
-Mean square misfit from which friction that was fitted while the effect was missing is not only
-carried on, but also sought anew.
+Mean square misfit above which friction that was fitted while the effect was missing is not only
+fitted further, but also sought anew.
 """
 
 FEWEST = 3
 """
-So many are fitted even if their screening looks hopeless beside the best; not the slow ones, of a
-stem that sticks, once one has reached the noise.
+Number of effects that are fitted even if their screening looks hopeless beside the best; not those
+of a stem that sticks, which are slow to fit, once another one has reached the noise.
 """
 
 
@@ -73,7 +74,7 @@ class _Begun:
     """
     An effect with the first steps of a fit.
 
-    `confirmed` as in a candidate; it `lasts` if it is one of those that are `lasting` there.
+    `confirmed` is as in Candidate; `lasts` says that the effect is one of those `lasting` there.
     """
 
     effect: str
@@ -88,8 +89,8 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
     """
     Return the best models with one effect more than `parent`, best first.
 
-    Effects that screening does not see below the cost `worth` are not fitted, nor those further
-    that the first steps do not take below it.
+    Effects that screening does not bring below the cost `worth` are not fitted; those that the
+    first steps do not bring below it are not fitted further.
     """
     names = [name for name in search.names if name not in (*parent.effects, *leave_out) and
              not redundant(name, parent.effects)]
@@ -121,7 +122,7 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
 
 
 def _carried_on(one: _Begun) -> _Begun:
-    """Return it fitted further, unless single slips alone gain by that."""
+    """Return the effect fitted further, unless only single slips gain by that."""
     further = replace(one, fit=one.problem.fit(one.fit.z, evaluations=EVALUATIONS))
     return further if _better(further, one) else one
 
@@ -130,7 +131,7 @@ def _bring_to_equal_terms(ended: dict[str, _Begun]) -> None:
     """
     Carry on those near the best, and the best as well if one of them has come below it.
 
-    It would else seem the worse one for having been ahead when the others were carried on.
+    The best would otherwise seem worse only because it was ahead when the others were carried on.
     """
     least = min((one.fit.cost for one in ended.values()), default=0.0)
     best, *near = sorted((name for name, one in ended.items() if one.fit.cost < CLOSE * least),
@@ -146,7 +147,7 @@ def _polished(one: _Begun) -> _Begun:
 
 
 def _better(one: _Begun, other: _Begun) -> bool:
-    """Tell which of two fits with the same effect is better; single slips do not decide."""
+    """Tell whether the first of two fits of an effect is better; single slips do not decide."""
     if has_dry_friction(one.fit.parameters.actuator):
         problem = one.problem
         return problem.cost_through_slips(one.fit.z) < problem.cost_through_slips(other.fit.z)
@@ -155,7 +156,7 @@ def _better(one: _Begun, other: _Begun) -> bool:
 
 def _first_steps(thin: Problem, fitted: Fit, names: list[str], tick: Callable[[], None],
                  worth: float = np.inf, few: bool = False) -> list[_Begun]:
-    """Return the promising effects on top of a fit, each with the first steps of its own."""
+    """Return the promising effects on top of a fit, each with the first steps of its own fit."""
     around = references(thin, thin.at(fitted.z))
     frequencies = strong_frequencies(thin, fitted.z)
 
@@ -177,7 +178,7 @@ def _first_steps(thin: Problem, fitted: Fit, names: list[str], tick: Callable[[]
 
 
 def _from_each_start(quick: Screened) -> list[_Begun]:
-    """Return the first steps from the starts, unless one promises far less than is had."""
+    """Return the first steps from each start, unless it costs far more than the first fit."""
     begun: list[_Begun] = []
     for z, cost in zip(quick.starts, quick.costs):
         if not begun or cost < HOPELESS * begun[0].fit.cost:
@@ -191,8 +192,8 @@ def _first_steps_in_parts(search: Search, parent: Candidate, names: list[str], a
     """
     Return the promising effects where the stem sticks and slips.
 
-    Those above it are fitted there first. Those of the stem are screened in a few sizes, for
-    simulations are slow, and fitted if that already is worth adding.
+    Effects above the stem are fitted there first. Effects of the stem are screened in a few sizes,
+    as simulations are slow, and fitted if what screening reaches is already worth adding.
     """
     present = tuple(e for e in parent.effects if shows_above_the_stem(e))
     problem = above.joint(above.problem(), present)

@@ -4,24 +4,24 @@
 The choice between models that the search could hardly tell apart.
 
 The search fits to a thinned part of the record, and stops early; that blurs scores by more than
-what lies between two similar effects. So the close ones meet again:
+the difference between two similar effects. So close models meet again:
 
-1. those of as many effects whose score is near that of the choice;
-2. those that this record could not tell from the choice by its sensitivities (see indistinct),
-   also where no fit has found that yet;
-3. all are fitted to every row of the fit and select segments, to their very ends, those that seem
-   unlikely then from the end of the best as well;
-4. of those whose effects these rows show, and that this does not make unlikely beside the best,
-   the plainest is taken.
+1. rivals of the choice are models with as many effects and a score near that of the choice,
+2. and models that this record could not tell from the choice by its sensitivities (see
+   indistinct), also where no fit has found that yet;
+3. all are fitted to every row of the fit and select segments, to their very ends; those that then
+   seem unlikely are fitted from the end of the best as well;
+4. of the models whose effects these rows show, and that these fits do not make unlikely beside the
+   best, the plainest is taken.
 
-Where the stem sticks, full fits take minutes and their cost is rough. There models that differ in
-one effect, above the stem or of it, are fitted once more to the thinned rows, beginning with what
-they share with the choice, or with what is seen above the stem where they differ there; the
-plainest of those not told apart is taken, by all or, where they differ above the stem, by what is
-seen there. An effect that the choice has in it (friction that is the
-same everywhere, in one that may differ) is fitted again whatever it scored: where it does not reach
-what the choice does though its size is enough for that, its fit got stuck. So is one that leaves
-less than the choice above the stem.
+Where the stem sticks, full fits take minutes and their cost is rough. There, models that differ
+from the choice in one effect, above the stem or of it, are fitted once more to the thinned rows.
+They begin with what they share with the choice, or, where they differ above the stem, with what is
+seen there. The plainest of those not told apart is taken; what tells them apart is the whole or,
+where they differ above the stem, what is seen there. Two kinds of rival are fitted again whatever
+they scored: one whose effect is contained in that of the choice (friction that is the same
+everywhere, in friction that may differ), as its fit got stuck if it does not reach what the choice
+does though its size is enough for that; and one that leaves less than the choice above the stem.
 """
 
 from collections.abc import Iterable
@@ -40,19 +40,20 @@ from booster_ros.diagnosis.searching.search import EVALUATIONS, LAST_EVALUATIONS
 from booster_ros.model.actuator import has_dry_friction
 
 NEAR = 1.15
-"""Scores, relative to that of the choice, up to which a model is fitted again."""
+"""Score, relative to that of the choice, up to which a model is fitted again."""
 
 RIVALS = 3
-"""So many of them at the most."""
+"""Number of rivals that are fitted again, at the most."""
 
 ROUGHLY = 2.0
 """
-The same where the stem sticks, and up to where slips that come by chance may tell models apart.
+Ratio of scores in the place of NEAR where the stem sticks: up to it, slips that come by chance may
+be what tells models apart.
 """
 
 
 def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
-    """Return the choice, then its rivals, all fitted anew; the choice alone if it has none."""
+    """Return the choice and its rivals, fitted anew, plainest first; the choice alone if none."""
     if not chosen.effects:
         return [chosen]
     if has_dry_friction(chosen.fit.parameters.actuator):
@@ -75,10 +76,11 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
 
 def _from_the_end_of(best: Candidate, search: Search, one: Candidate) -> Candidate:
     """
-    Return the model fitted from where the best has what both have, if it seemed unlikely beside it.
+    Return the model fitted from the end of the best, if it seemed unlikely beside the best.
 
-    In a flat valley a fit may end before the lowest place, short of it by as much as makes a model
-    unlikely, and another one that is the same in all but name may not.
+    It begins with the values of the best for what both have. In a flat valley one fit may end
+    short of the lowest place, by as much as makes a model unlikely, and the fit of another model
+    that is the same in all but name may not.
     """
     if not UNLIKELY < one.fit.cost - best.fit.cost < (NEAR - 1.0) * best.fit.cost:
         return one
@@ -87,7 +89,7 @@ def _from_the_end_of(best: Candidate, search: Search, one: Candidate) -> Candida
 
 
 def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:
-    """Return the choice and its rivals in the place of one effect, the plainest first."""
+    """Return the choice and the rivals that differ from it in one effect, the plainest first."""
     near: dict[frozenset[str], Candidate] = {}
     far: dict[frozenset[str], Candidate] = {}
     for one in sorted(tried, key=lambda c: c.score):
@@ -115,11 +117,11 @@ def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate])
 
 def _by_slips(search: Search, ranked: list[Candidate]) -> list[Candidate]:
     """
-    Return the models with kinds of friction told by what slips do, where single ones are missed.
+    Return the models, kinds of friction told by what slips do where single slips are missed.
 
-    Which comes when is chance then, and rows are missed least by slips that are too small. Each
-    kind is sought anew as far as it shows through slips; those that miss no more than NEAR times
-    what the best does count as alike, and the plainest of them comes first.
+    When each slip comes is chance then, and slips that are too small miss the rows least. Each
+    kind of friction is sought anew as far as it shows through slips. Kinds that miss no more than
+    NEAR times what the best one misses count as alike, and the plainest of them comes first.
     """
     best, *others = ranked
     kinds = [best, *(one for one in others if not one.fault
@@ -140,9 +142,9 @@ def _by_slips(search: Search, ranked: list[Candidate]) -> list[Candidate]:
 
 def _better_above(search: Search, chosen: Candidate, far: Iterable[Candidate]) -> list[Candidate]:
     """
-    Return those far behind the choice that leave less than it does above the stem.
+    Return the models far behind the choice that leave less above the stem than it does.
 
-    Fitted in the whole beside friction that suited another effect, they got stuck.
+    They got stuck, as they were fitted in the whole beside friction that suited another effect.
     """
     others = [one for one in far
               if any(map(shows_above_the_stem, set(one.effects) - set(chosen.effects)))]
@@ -174,13 +176,13 @@ def _plainest_above(search: Search, ranked: list[Candidate]) -> Candidate:
 
 
 def _in_the_choice(one: Candidate, chosen: Candidate) -> bool:
-    """Tell whether an effect of the choice builds on a size of one that the other has instead."""
+    """Tell whether an effect of the choice builds on a size of that which `one` has instead."""
     mine, its = set(chosen.effects) - set(one.effects), set(one.effects) - set(chosen.effects)
     return any(b in within(a) for a in mine for b in its)
 
 
 def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
-    """Return models with another effect in the place of one that are as good for any noise."""
+    """Return models with one effect of the choice exchanged that do as well whatever the noise."""
     problem = search.on(chosen.problem, ('fit', 'select'), search.thinning)
     whole = search.on(chosen.problem, ('fit', 'select'), 1).rows_counted()
     likely = UNLIKELY * problem.rows_counted() / whole

@@ -10,14 +10,15 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
 2. let the reference variables react linearly: z ← z - J⁺ r, priors included; what remains is the
    cost this size can reach;
-3. what remains runs nearly straight from size 0 to e: of the six that promise most try the size at
-   which it is least, as promises that are nearly the same are kept differently well;
-4. that reckoning fails where the variables react by much. So a few Gauss-Newton steps follow from
-   the best size, with J kept as it is and only the effect's own columns simulated anew (chord
-   steps): what they reach is no promise but a cost that was simulated. Not where the stem sticks:
-   slips that come and go are nothing to follow, and slow.
+3. what remains runs nearly straight from size 0 to e, which tells the size at which it should be
+   least: of the trials that promise most there, simulate six at that size, as promises that are
+   nearly the same are kept differently well;
+4. linear reckoning fails where the variables react by much. So a few Gauss-Newton steps follow
+   from the best size, with J kept as it is and only the effect's own columns simulated anew (chord
+   steps): what they reach is no promise but a cost that was simulated. None are taken where the
+   stem sticks: slips that come and go are nothing to follow, and slow.
 
-Where they end, around each reference, is where a joint fit begins; also where they began, if they
+A joint fit begins where the chord steps end, around each reference; also where they began, if they
 did not keep what linear reckoning promised there.
 """
 
@@ -41,22 +42,25 @@ TYPICAL, SMALL = (1.0,), (0.25,)
 
 CHORD_STEPS = 4
 CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
-"""Steps with the reference's Jacobian, and the parts of each that are tried."""
+"""Number of chord steps, with the reference's Jacobian, and the parts of each that are tried."""
 
 LENGTHS = 6
-"""Trials that are simulated at the size at which what they leave should be least."""
+"""Number of trials that are simulated at the size at which they should leave least."""
 
 SHORTEST, LONGEST = 1e-3, 2.0
-"""That size, as a multiple of what was tried."""
+"""Bounds of that size, as multiples of the size that was tried."""
 
 UNKEPT = 1.5
-"""Where they end this much above what linear reckoning promised, a fit begins there as well."""
+"""
+Multiple of the cost that linear reckoning promised: if chord steps end above it, a fit begins
+where they began as well.
+"""
 
 WORTH_A_STEP = 0.02
-"""They end when one lowers the cost by a smaller share."""
+"""Share of the cost: chord steps end when one lowers the cost by less."""
 
 DIFFERENCE = 1e-2
-"""In a size, for its column of the Jacobian."""
+"""Step in a variable of the effect, by which its column of the Jacobian is formed."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,8 @@ class Screened:
     """
     An effect, the problem with it added, where to fit from (best first), the costs there.
 
-    A cost was simulated there, or is what linear reckoning promised and the steps did not keep.
+    A cost was simulated there, or is what linear reckoning promised where chord steps did not keep
+    it or were not taken.
     """
 
     effect: str
@@ -79,7 +84,7 @@ class Screened:
 
 
 def with_effect(problem: Problem, effect: Effect) -> Problem:
-    """Return the problem with what it can show of the effect free, behind what it has free."""
+    """Return the problem with what it can show of the effect free, behind what was free before."""
     present = {(f.knob.parameter, f.element) for f in problem.freedoms}
     added = tuple(f for f in effect_freedom(effect, problem.base)
                   if (f.knob.parameter, f.element) not in present
@@ -89,7 +94,7 @@ def with_effect(problem: Problem, effect: Effect) -> Problem:
 
 
 def _with_sizes(problem: Problem, z: Array, e: Array) -> Array:
-    """Return z with the effect's variables between parameters and the start's."""
+    """Return z with the effect's variables between those of the parameters and of the start."""
     size = len(z) - problem.nuisances
     return np.concatenate([z[:size], e, z[size:]])
 
@@ -111,8 +116,8 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[f
     if len(sizes) == 2 and len(multiples) > 1:
         moves += [dict(zip(sizes, pair)) for pair in itertools.product(multiples, repeat=2)]
     rubs = [j for j in sizes if free[j].knob.parameter == 'actuator.coulomb_friction']
-    # break-away or bent-stem friction of a packing that hardly rubs is nothing that exists, and
-    # slow to simulate
+    # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
+    # simulate
     moves = [move for move in moves
              if all(abs(step) <= move.get(j, 0.0) for j in rubs for step in move.values())]
     trials = []
@@ -142,11 +147,14 @@ def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
 
 
 ABOVE_NOISE = 15.0
-"""A line stands out if its power is so many times the median power: of noise, 1 in 30000 does."""
+"""Multiple of the median power above which a line stands out: of noise, 1 in 30000 does."""
 
 PADDING = 8
-"""Frequencies are told to so many parts of what the record's length resolves: half of that off, an
-oscillation ends as far out of step as can be, and a fit stops at the wrong one."""
+"""
+Number of parts of the frequency step that the record's length resolves, to which frequencies are
+told. Half of that step off, an oscillation ends as far out of phase as can be, and a fit stops at
+the wrong frequency.
+"""
 
 
 def strong_frequencies(problem: Problem, z: Array) -> Array:
@@ -162,9 +170,9 @@ def strong_frequencies(problem: Problem, z: Array) -> Array:
     frequency, power = periodogram(
         residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear',
         nfft=PADDING * len(residual))
-    # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
     lines = np.maximum(power - ABOVE_NOISE * float(np.median(power)), 0.0)
     lines[(frequency < 0.02) | (frequency > 15.0)] = 0.0
+    # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
     weighted = lines * frequency**2
     found = []
     for ranking in (weighted, lines):
@@ -194,7 +202,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class _Trial:
-    """Variables with a size tried, their cost, and the size on that way that promises the least."""
+    """Variables at a tried size, their cost, and the size on that way that promises the least."""
 
     z: Array
     cost: float
@@ -246,7 +254,11 @@ def references(problem: Problem, fit: Fit) -> list[Reference]:
 
 def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
            few: bool = False) -> Screened:
-    """Return the quick joint fit of one effect on top of a fitted problem; `few` sizes only."""
+    """
+    Return the quick joint fit of one effect on top of a fitted problem.
+
+    With `few`, only the typical size is tried, and no chord steps follow.
+    """
     joint = with_effect(problem, EFFECTS[name])
     free = joint.freedoms[len(problem.freedoms):]
     low, high = joint.bounds()
@@ -290,8 +302,8 @@ def promise(problem: Problem, reference: Reference, name: str, frequencies: Arra
     """
     Return what an effect promises on top of a fit, by a simulation of each of its sizes alone.
 
-    For small effects: from a small size to the one that promises most its trace runs straight. None
-    where it has no size to try.
+    This is for small effects: their trace runs straight from a small size to the one that promises
+    most. None where the effect has no size to try.
     """
     joint = with_effect(problem, EFFECTS[name])
     reference = _beside(reference, problem, joint)
@@ -312,7 +324,7 @@ def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
 
 
 def _tried(problem: Problem, joint: Problem, reference: Reference, e: Array) -> _Trial:
-    """Return what sizes e reach, and what sizes on the way from none to e and beyond promise."""
+    """Return what sizes e reach, and what is promised on the way from no size to e and beyond."""
     free = joint.freedoms[len(problem.freedoms):]
     left, z = _reach(problem, joint, reference, e)
     change = left - reference.left

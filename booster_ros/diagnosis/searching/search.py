@@ -3,7 +3,7 @@
 """
 The task of finding what a model lacks: fits of the declared model with effects, and their scores.
 
-How it is gone about is in selection; how a next effect is found, in next_effect.
+The course of the search is in selection; how a next effect is found, in next_effect.
 """
 
 from dataclasses import dataclass, replace
@@ -25,18 +25,20 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 PLACES = frozenset(effect.location for effect in EFFECTS.values())
-"""Wherever something can be missing."""
+"""All places where something can be missing."""
 
 EVALUATIONS, LAST_EVALUATIONS = 10, 30
 """Steps of one fit, and of one that is to go to its very end."""
 
 FAR_BEHIND = 10.0
-"""A model that costs so much more than another one is no rival of it: no more fitting."""
+"""Multiple of another model's cost from which a model is no rival of it, and fitted no further."""
 
 POLISHINGS = 4
 WORTH_POLISHING, WORTH_A_LAST_POLISHING = 0.01, 0.001
-"""A fit is given as many steps again, so many times at the most, while that lowers its cost by this
-share; the last fit by the second."""
+"""
+How many times a fit is given as many steps again, at the most, and the share by which that has to
+lower its cost for it to go on; the second share is for a last fit.
+"""
 
 THINNING = 8
 """Fits use every eighth row, and all rows where the drive jumps."""
@@ -50,9 +52,9 @@ class Search:
     """
     The task: experiment, segments, declared parameters and their freedom.
 
-    `names` are the effects to try, `places` where a term without a name is tried, `thinning` how
-    many rows a fit takes one of. What the methods return is scaled: residuals in standard
-    deviations of the noise, costs in squares of that.
+    `names` are the effects to try, `places` where a term without a name is tried; a fit takes one
+    of every `thinning` rows. What the methods return is scaled: residuals in standard deviations
+    of the noise, costs in squares of that.
     """
 
     experiment: Experiment
@@ -74,7 +76,7 @@ class Search:
         return replace(problem, experiment=experiment, rows=rows)
 
     def problem(self) -> Problem:
-        """Return the refit of the declared parameters on the fit segments."""
+        """Return the problem of refitting the declared parameters on the fit segments."""
         rows, experiment = self.rows_and_experiment(('fit',), self.thinning)
         return Problem(experiment, rows, self.declared, self.freedoms)
 
@@ -129,10 +131,11 @@ class Search:
 
     def without(self, chosen: Candidate, rest: tuple[str, ...]) -> Candidate:
         """
-        Return the model with these of the chosen effects only, fitted from what they were.
+        Return the chosen model with only the effects `rest`, fitted from what they were.
 
-        Also with all else as given: it may have moved to where only the others held it. Not where
-        the stem sticks, as that takes long. Not to the end where it is far behind the chosen.
+        A second fit begins with all else as given, which may have moved to where only the other
+        effects held it; not where the stem sticks, as that takes long. The better of the two is
+        not carried to its end where it is far behind the chosen model.
         """
         problem = self.joint(self.problem(), rest)
         z = carried(problem, chosen.fit)
@@ -154,8 +157,8 @@ class Search:
         """
         Return the model fitted on until that no longer pays.
 
-        Short of the end of a flat valley it misses what it was not fitted to, and seems to lack
-        whatever only takes some steps more.
+        Short of the end of a flat valley, a model misses what it was not fitted to, and seems to
+        lack whatever only takes some steps more.
         """
         return self.refitted(candidate, polished(
             candidate.problem, candidate.fit, WORTH_A_LAST_POLISHING))
@@ -174,11 +177,11 @@ class Search:
         return replace(fitted, learnt=True)
 
     def fault(self, problem: Problem, fit: Fit, effect: str) -> str:
-        """Return why a fitted effect is none that this record shows, '' where it is one."""
+        """Return why this record does not show a fitted effect, '' where it does."""
         return self._faults(problem, fit, (effect,)).get(effect, '')
 
     def faults(self, candidate: Candidate) -> dict[str, str]:
-        """Return why, by name, of each effect of a model that its rows do not show."""
+        """Return the effects that a model's rows do not show, by name, each with the reason."""
         return self._faults(candidate.problem, candidate.fit, candidate.effects)
 
     def _faults(self, problem: Problem, fit: Fit, effects: tuple[str, ...]) -> dict[str, str]:
@@ -202,7 +205,7 @@ def carried(target: Problem, *sources: Fit) -> Array:
     """
     Return z of `target` with the values that its parameters have in the sources.
 
-    Later sources count before earlier ones; the start is that of the first.
+    Later sources count before earlier ones; the variables of the start are those of the first.
     """
     known = {(f.knob.parameter, f.element): z for fit in sources
              for f, z in zip(fit.freedoms, fit.z)}
@@ -211,7 +214,7 @@ def carried(target: Problem, *sources: Fit) -> Array:
 
 
 def declared_as_given(problem: Problem, z: Array) -> Array:
-    """Return z with the effects alone: declared parameters and start as given."""
+    """Return z with only the effects kept: declared parameters and start as given."""
     fresh = z.copy()
     fresh[len(problem.freedoms):] = 0.0
     for j, free in enumerate(problem.freedoms):
@@ -221,7 +224,7 @@ def declared_as_given(problem: Problem, z: Array) -> Array:
 
 
 def as_given(problem: Problem, z: Array) -> Array:
-    """Return z with the sizes of the effects alone, their shapes typical, all else as given."""
+    """Return z with only the sizes of effects kept, their shapes typical, all else as given."""
     fresh = declared_as_given(problem, z)
     for j, free in enumerate(problem.freedoms):
         if free.knob.shape and not np.isfinite(free.sigma):
@@ -231,11 +234,11 @@ def as_given(problem: Problem, z: Array) -> Array:
 
 def settled(problem: Problem, z: Array) -> Fit:
     """
-    Return the better one of the fits from z and from its effects with all else as given.
+    Return the better of two fits: from z, and from its effects with all else as given.
 
-    Before an effect was in the model the declared parameters had imitated it. Those that a record
-    hardly shows come back from there in tiny steps, and may show in another record; from the given
-    ones a fit does not go there, and is soon at its very end.
+    Before an effect was in the model, the declared parameters had imitated it. Those that a record
+    hardly shows come back from there only in tiny steps, and they may show in another record. From
+    the parameters as given, a fit does not go there, and is soon at its very end.
     """
     fits = [problem.fit(z, evaluations=EVALUATIONS),
             problem.fit(declared_as_given(problem, z), LAST_EVALUATIONS, SETTLED)]

@@ -4,8 +4,8 @@
 What the select segments alone can teach a model: a limit that no fit segment reached, say.
 
 A model that leaves noise wherever it was fitted may miss a segment that it was not fitted to. That
-is no fault of what was added to it. So it is fitted to that as well, and counts if it leaves noise
-in each segment then; the locked part stays closed.
+is no fault of what was added to the model. So it is fitted to the select segments as well, and
+counts if it then leaves noise in each of them; the locked part stays closed.
 """
 
 from dataclasses import replace
@@ -24,8 +24,9 @@ PLAUSIBLE = 12.0
 
 PATCH, SELDOM = 1.3, 0.01
 """
-Mean square misfit of a single segment up to which it is noise; more where it has so few values that
-noise would leave more in one of the segments more often than that.
+Mean square misfit up to which a single segment is noise, and a probability: where a segment has so
+few values that noise would leave more in one of the segments more often than that, the limit is
+what noise exceeds so often.
 """
 
 
@@ -38,8 +39,9 @@ def taught(search: Search, candidate: Candidate) -> Candidate | None:
     """
     Return the same model fitted to the select segments as well, if that leaves noise.
 
-    Then nothing is missing. It must be noise in each of them: what shows in few is no noise. Where
-    the stem sticks only if the fit segments are noise already: that fit takes long.
+    Then nothing is missing. Noise must be all that is left in each of them: what shows in few is
+    no noise. Where the stem sticks, the model is taught only if it leaves noise in the fit
+    segments already, as that fit takes long.
     """
     if has_dry_friction(candidate.fit.parameters.actuator) and not fitted_to_noise(candidate):
         return None
@@ -50,18 +52,18 @@ def taught(search: Search, candidate: Candidate) -> Candidate | None:
 
 
 def most_by_noise(values: Array) -> Array:
-    """Return the sum of squares that noise leaves in segments of so many values, at the most."""
+    """Return the sum of squares that noise leaves at most in each segment of so many values."""
     return np.maximum(PATCH * values, chi2.ppf(1.0 - SELDOM / len(values), np.maximum(values, 1)))
 
 
 def _departures(candidate: Candidate) -> float:
-    """Return the sum of squared departures of the declared parameters, whatever a table holds."""
+    """Return the sum of squared departures of the declared parameters; no table values count."""
     return sum((z / free.sigma)**2 for z, free in zip(candidate.fit.z, candidate.fit.freedoms)
                if np.isfinite(free.sigma) and free.knob.parameter != 'discrepancy.values')
 
 
 def taught_what_it_missed(search: Search, candidate: Candidate) -> Candidate | None:
-    """Return a model taught, if all that it misses is what it was not fitted to."""
+    """Return the model taught, if all that it misses is in segments that it was not fitted to."""
     misses = candidate.misfit > NEAR_NOISE and fitted_to_noise(candidate)
     both = taught(search, candidate) if misses and not candidate.fault else None
     return both and replace(both, confirmed=candidate.confirmed, lasting=candidate.lasting)

@@ -5,9 +5,9 @@ A discrepancy without a name: which component lacks what, as a function of what.
 
 A tabulated term (model/discrepancy) is tried in every component over the variables that a missing
 effect there would depend on. Its values enter nearly linearly, so one simulation per knot and one
-linear solve, with the declared parameters reacting, tell what each can reach. What follows a change
-is tried with a few times of memory, what follows a play with a few widths of it, and fitted from
-the best of them.
+linear solve, with the declared parameters reacting, tell what each term can reach. A term that
+follows a change is tried with a few times of memory, one that follows a play with a few widths of
+it, and each is fitted from the best of them.
 """
 
 from collections.abc import Mapping
@@ -31,8 +31,9 @@ from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
-# What a term may depend on in each component, and a size of it that a record shows. The commoner
-# kind first: chambers leak more often than a relay's forces depend on the pressure behind it.
+# For each component, a size of a term that a record shows, and what the term may depend on. The
+# commoner kind comes first: chambers leak more often than a relay's forces depend on the pressure
+# behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
     (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
@@ -50,24 +51,24 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
 )
 
 TIMES_OF_MEMORY = (3.0, 12.0, 48.0)
-"""Times of memory of a change that are tried, s: a fit goes on from the nearest."""
+"""Times of memory that are tried of a term over a change, s: a fit goes on from the best."""
 
 LONGER = 1.5
-"""What a fitted memory may come to be longer by before the table ends too early."""
+"""Factor by which a fitted memory may get longer before the range of the table is too short."""
 
 SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
-"""Bounds of a fitted one, s: a shorter one is a lag, of a longer one no record shows the end."""
+"""Bounds of a fitted memory, s: shorter is a lag, of a longer one no record shows the end."""
 
 REACHES = (0.003, 0.01, 0.03)
-"""Halves of the width of a play of the booster's force that are tried, N, in the paper's: as
-memories are."""
+"""Half-widths that are tried of a play of the booster's force, N, in the paper's booster, as times
+of memory are tried."""
 
 SHORTEST_REACH, LONGEST_REACH = 5e-4, 0.2
-"""Bounds of a fitted one, N: a shorter one is 0.2 kPa in the chamber, a longer one all that opens
-a seat of the paper's booster."""
+"""Bounds of a fitted half-width, N: a smaller one is 0.2 kPa in the chamber, a larger one all that
+opens a seat of the paper's booster."""
 
 UNNAMED = 'unknown: '
-"""Before the label of a term, where models are listed by their effects."""
+"""Prefix of the label of a term, where models are listed by their effects."""
 
 _PLACES = {
     'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber'}
@@ -78,8 +79,9 @@ SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
 
 WIDEST = 1.0
 """
-Standard deviation of the prior on a value, in sizes that show: keeps unseen knots near zero, and
-leaves to the declared parameters what stays the same everywhere. They hold beyond the table too.
+Standard deviation of the prior on a value of the table, in sizes that show. The prior keeps unseen
+knots near zero, and leaves what stays the same everywhere to the declared parameters, which hold
+beyond the table too.
 """
 
 
@@ -88,7 +90,7 @@ class Term:
     """
     A place for a discrepancy: component, variable, a size that shows.
 
-    And what it has of a past: the memory of a change, s, the reach of a play, N.
+    And its past, where it has one: `memory` is that of a change, s, `reach` that of a play, N.
     """
 
     location: int
@@ -134,7 +136,7 @@ def terms(channels: tuple[str, ...], declared: PositionerParameters = PAPER) -> 
 
 
 def _larger(declared: PositionerParameters, location: int) -> float:
-    """Return how many times as large a term is there in a valve as in the paper's."""
+    """Return how many times as large a term in this location is in a valve as in the paper's."""
     return proportion(declared, term.LOCATIONS[location], term.LOCATION_UNITS[location])
 
 
@@ -152,10 +154,10 @@ def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array],
     """
     Return the variable of the term in these parameters over time (s), shape (n,).
 
-    `columns` are channels of a run or a record; what a change is one of must be among them, of a
-    play of the booster's force all that makes up that. `past` is that of the start's `Departure`.
-    Of a change of the current that is the one given, which a dead time or a hysteresis hides from
-    the model for a while.
+    `columns` are channels of a run or a record. For a change, they must include the variable that
+    changes; for a play of the booster's force, all pressures that make up that force. `past` is
+    that of the start's `Departure`. A change of the current is that of the current as given, which
+    a dead time or a hysteresis hides from the model for a while.
     """
     table = p.discrepancy
     if term.has_play(table):
@@ -199,10 +201,11 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     """
     Return the problem with the table's inner values free, over the range in the rows `seen`.
 
-    As it was measured, where it was: a model without the term may stay within half of that. The
-    rows are to hold those between the fitted ones as well: the table is zero beyond its range, and
-    a run that leaves it comes back with a chamber that knows nothing of the term. Of a change the
-    range is that of a longer memory, as a fit may find one; that of a play is its own.
+    The range is that of the variable as measured, where it was: a model without the term may stay
+    within half of that. `seen` has to include the rows between the fitted ones as well: the table
+    is zero beyond its range, and a run that leaves the range comes back with a chamber that knows
+    nothing of the term. For a change, the range is that of a longer memory, as a fit may find one;
+    for a play, it is that of the play itself.
     """
     empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
     low, high = -1.0, 1.0
@@ -221,9 +224,9 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
 
 def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
     """
-    Return the variable of a term as measured, as simulated where those rows have none.
+    Return the variable of a term as measured, or as simulated where no row `seen` has a reading.
 
-    What a change is one of goes straight on across a gap.
+    For a change, the variable that changes runs straight across a gap.
     """
     name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
     values = experiment.measured.get(name)
@@ -256,8 +259,8 @@ def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
     Return the problem with a table that fades to zero no more steeply than it runs as fitted.
 
     A leak that grows along the travel does not vanish just beyond the last position seen: a valve
-    that goes there would meet a step which no record showed. No fade is longer than the table.
-    Nothing is beyond a play.
+    that goes there would meet a step which no record showed. No fade is longer than the range that
+    was seen. Over a play the table stays as it is: nothing is beyond a play.
     """
     table = fit.parameters.discrepancy
     if term.has_play(table):
@@ -278,7 +281,7 @@ def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
     """
     Return what a term can reach by linear reckoning.
 
-    The cost, z with a table of zeros, the move in z that is to be tried, and the term's problem.
+    That is the cost, z with a table of zeros, the move in z to be tried, and the term's problem.
     """
     joint = with_term(problem, reference, one, seen)
     where = len(problem.freedoms)
