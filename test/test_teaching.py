@@ -9,6 +9,7 @@ import pytest
 from booster_ros.diagnosis.fitting.freedom import put
 from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.nameless import best_terms
+from booster_ros.diagnosis.searching.next_effect import extend
 from booster_ros.diagnosis.searching.teaching import most_by_noise, taught
 
 # 0.1 mA; one step opens the booster fully, in a select segment
@@ -63,3 +64,12 @@ def test_noise_alone_is_noise_in_each_select_segment_however_few_values_it_has(v
     assert (most_by_noise(segments) < 4.0 * segments).all()
     if values >= 1000:
         assert (most_by_noise(segments) == 1.3 * segments).all()
+
+
+def test_what_a_model_was_fitted_to_is_known_of_all_that_is_made_of_it():
+    search = searching(seen(put(P, 'actuator.leak_area', 5e-8)), ('chamber_leak',))
+    taught_refit = search.on_both(search.refit(), search.thinning)
+    with_leak, = extend(search, taught_refit, lambda: None)
+    for one in (with_leak, search.at_its_end(with_leak), search.at_its_end(taught_refit)):
+        assert one.learnt
+    assert not search.on_every_row(with_leak).learnt

@@ -115,7 +115,7 @@ def extend(search: Search, parent: Candidate, tick: Callable[[], None],
     _bring_to_equal_terms(ended)
     return preferred_first([
         replace(search.rate((*parent.effects, one.effect), one.problem, one.fit),
-                confirmed=one.confirmed,
+                confirmed=one.confirmed, learnt=parent.learnt,
                 lasting=parent.lasting.union([one.effect] if one.lasts else []),
                 fault=search.fault(one.problem, one.fit, one.effect))
         for one in ended.values()])

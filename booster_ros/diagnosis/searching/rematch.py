@@ -85,7 +85,7 @@ def _from_the_end_of(best: Candidate, search: Search, one: Candidate) -> Candida
     if not UNLIKELY < one.fit.cost - best.fit.cost < (NEAR - 1.0) * best.fit.cost:
         return one
     fit = one.problem.fit(carried(one.problem, one.fit, best.fit), LAST_EVALUATIONS, SETTLED)
-    return replace(search.refitted(one, fit), learnt=True) if fit.cost < one.fit.cost else one
+    return search.refitted(one, fit) if fit.cost < one.fit.cost else one
 
 
 def _rematch_sticking(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[Candidate]:

@@ -81,9 +81,10 @@ class Search:
         return Problem(experiment, rows, self.declared, self.freedoms)
 
     def refitted(self, candidate: Candidate, fit: Fit) -> Candidate:
-        """Return the model with another fit; what was seen of its effects above the stem stays."""
+        """Return the model with another fit to the same rows; what was seen above the stem stays."""
         return replace(self.rate(candidate.effects, candidate.problem, fit),
-                       confirmed=candidate.confirmed, lasting=candidate.lasting)
+                       confirmed=candidate.confirmed, lasting=candidate.lasting,
+                       learnt=candidate.learnt)
 
     def rate(self, effects: tuple[str, ...], problem: Problem, fit: Fit) -> Candidate:
         """
