@@ -7,6 +7,7 @@ from made_record import misses, record_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.preparing.late_commands import commands_may_be_late
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.model.simulation import simulate
 
@@ -42,6 +43,7 @@ def test_they_are_so_where_rows_are_not_quite_evenly_spaced_as_well(jitter):
     experiment = prepare(record_of(**columns), DECLARED)
     assert 'were read now and then' in experiment.notes[-1]
     assert experiment.noise['chamber_pressure'] < 300.0
+    assert not commands_may_be_late(experiment)  # to a calibration, to the report
     assert max(misses(experiment).values()) < 1.3
 
 

@@ -191,7 +191,6 @@ def _usable_rows(
     if quasi_static:
         # a sweep of currents starts settled at its first one; only later ones were dwelt on
         usable[0] &= not role.commanded
-        return usable
     return usable
 
 
