@@ -90,6 +90,42 @@ def test_a_tube_chokes_at_a_critical_ratio_of_its_own(critical):
         np.sqrt(1.0 - beyond[looked_at]**2), abs=5e-3)
 
 
+def filled_through(values):
+    """Return flow, pressures (absolute) of a chamber of fixed volume behind a given outlet."""
+    time = rows(6.0)
+    swing = 250e3 + 150e3 * np.sin(2.0 * time)
+    run = simulate(positioner(values), time, np.zeros_like(time), pinned={
+        'outlet_pressure': swing, 'valve_position': np.zeros_like(time),
+        'stem_velocity': np.zeros_like(time)})
+    flow = 0.185e-3 / (287.0 * 293.15) * np.gradient(run['chamber_pressure'], time)
+    return flow, run['outlet_pressure'] + ATMOSPHERE, run['chamber_pressure'] + ATMOSPHERE
+
+
+def test_a_laminar_tube_carries_in_proportion_to_the_difference_of_squares_both_ways():
+    """Hagen-Poiseuille of a gas, isothermal: q = G (P1² - P2²), whichever side is higher."""
+    flow, outlet, chamber = filled_through(
+        {'tubing.restriction_area': 5e-8, 'tubing.laminar_share': 1.0})
+    conductance = 0.0404184 * 5e-8 / math.sqrt(293.15) / 1e5
+    assert flow[5:-5] == pytest.approx((conductance * (outlet**2 - chamber**2))[5:-5], rel=0.01,
+                                       abs=1e-8)
+    assert flow.min() < -1e-5 < 1e-5 < flow.max()
+
+
+def test_drops_of_a_half_laminar_tube_add_up():
+    area, share = 5e-8, 0.4
+    flow, outlet, chamber = filled_through(
+        {'tubing.restriction_area': area, 'tubing.laminar_share': share})
+    scale = 0.0404184 * area / math.sqrt(293.15)
+    upstream, ratio = np.maximum(outlet, chamber), np.minimum(outlet, chamber) / np.maximum(
+        outlet, chamber)
+    inside = (ratio < 0.99) & (np.arange(len(flow)) > 4) & (np.arange(len(flow)) < len(flow) - 5)
+    orifice = scale * upstream * np.sqrt(1.0 - (np.maximum(ratio - 0.5283, 0.0) / 0.4717)**2)
+    laminar = scale * np.abs(outlet**2 - chamber**2) / 1e5
+    q = np.abs(flow)
+    whole = share * q / laminar + (1.0 - share) * (q / orifice)**2
+    assert whole[inside] == pytest.approx(np.ones(inside.sum()), abs=0.02)
+
+
 # chamber
 
 

@@ -28,6 +28,7 @@ class Knob:
     inverse: int = 0
     shape: bool = False  # a shape parameter means nothing while the size is neutral
     clocked: bool = False  # it acts through speeds, which a sweep without a clock lacks
+    tried: tuple[float, ...] = ()  # values of a shape with each of which sizes are tried
 
     def to_fit(self, value: float) -> float:
         """Return the fitted variable for a value."""
@@ -148,9 +149,10 @@ _ROWS = (
     _effect(
         'tubing_restriction', 'tubing', 'tube and fittings throttle between booster and actuator',
         'steps', 'two pressure taps, at the booster outlet and at the actuator',
-        'ISO 6358 orifice behind a volume',
+        'ISO 6358 orifice and laminar flow behind a volume',
         Knob('tubing.restriction_area', 2e-6, 2e-7, 3e-5, 0.0, inverse=2),
-        Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True)),
+        Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True),
+        Knob('tubing.laminar_share', 0.0, 0.0, 1.0, 0.0, shape=True, tried=(0.0, 1.0))),
     _effect(
         'chamber_leak', 'chamber', 'air escapes from the actuator', 'settled pressures, steps',
         'valve the actuator off and watch its pressure for minutes',

@@ -6,14 +6,15 @@ from typing import NamedTuple
 
 from numba import njit
 
-from .gas import ATMOSPHERE, GAS_CONSTANT, HEAT_CAPACITY
+from .gas import ATMOSPHERE, GAS_CONSTANT, HEAT_CAPACITY, mass_flow
 
 
 class Line(NamedTuple):
-    """Tubing between booster and chamber; absent while its resistance is 0."""
+    """Tubing between booster and chamber; absent while its resistances are 0."""
 
     resistance: float = 0.0  # 1/m², inverse of the line's equivalent area
     volume: float = 2e-5  # m³, at the booster's end
+    laminar_resistance: float = 0.0  # Pa² s/kg, of a sintered filter in place of an orifice
 
 
 class Chamber(NamedTuple):
@@ -34,6 +35,16 @@ class Chamber(NamedTuple):
     late_leak: float = 0.0  # m², leak that opens at late_leak_time
     late_leak_time: float = 20.0  # s
     wall_resistance: float = 0.0  # K/W between gas and wall; 0 keeps the gas at wall temperature
+
+
+@njit(cache=True)
+def line_flow(line, outlet, outlet_temperature, pressure, temperature, critical_ratio):
+    """Return the flow in kg/s from the booster's end into the chamber; pressures are absolute."""
+    if line.laminar_resistance > 0.0:
+        return (outlet * outlet - pressure * pressure) / line.laminar_resistance
+    return mass_flow(
+        1.0 / line.resistance, outlet, outlet_temperature, pressure, temperature, critical_ratio
+    )
 
 
 @njit(cache=True)

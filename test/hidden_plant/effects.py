@@ -297,6 +297,14 @@ CHANGES: dict[str, Effect] = {
     'supply_falls': Effect('supply', ('unknown',), {'supply.fall': 1.0}, (1e3, 4e3, 1.2e4)),
 }
 
+# last of all, for the same reason
+LATER_VARIANTS: dict[str, Effect] = {
+    'tubing_laminar': Effect(
+        'tubing', ('tubing_restriction',), {'line.laminar_resistance': 1.0}, (3e12, 1e13, 4e13)
+    ),
+}
+
 NAMELESS: dict[str, Effect] = {**UNCATALOGUED, **FURTHER}
 
-EFFECTS: dict[str, Effect] = {**CATALOGUED, **UNCATALOGUED, **VARIANTS, **FURTHER, **CHANGES}
+EFFECTS: dict[str, Effect] = {
+    **CATALOGUED, **UNCATALOGUED, **VARIANTS, **FURTHER, **CHANGES, **LATER_VARIANTS}

@@ -67,9 +67,8 @@ def run(valve, currents, start_time):
     """
     converter, booster, supply = valve.converter, valve.booster, valve.supply
     line, chamber, stem = valve.line, valve.chamber, valve.stem
-    has_line = line.resistance > 0.0
+    has_line = line.resistance > 0.0 or line.laminar_resistance > 0.0
     isothermal = chamber.wall_resistance == 0.0
-    line_area = 1.0 / line.resistance if has_line else 0.0
     wall = supply.temperature
     critical = booster.critical_ratio
     yields = stem.coulomb > 0.0 and stem.packing_stiffness > 0.0
@@ -141,7 +140,9 @@ def run(valve, currents, start_time):
         )  # fmt: skip
         through = inflow - exhausted
         if has_line:
-            through = mass_flow(line_area, outlet, wall, pressure, temperature, OTHER_ORIFICES)
+            through = gas_space.line_flow(
+                line, outlet, wall, pressure, temperature, OTHER_ORIFICES
+            )
             line_mass += STEP * (inflow - exhausted - through)
         entering = max(through, 0.0)
         leaving = max(-through, 0.0) + leaked

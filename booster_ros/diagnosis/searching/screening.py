@@ -109,7 +109,6 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[f
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
         return _oscillations(free, frequencies)
-    neutral = _no_size(free)
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
     steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
@@ -121,13 +120,20 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[f
     moves = [move for move in moves
              if all(abs(step) <= move.get(j, 0.0) for j in rubs for step in move.values())]
     trials = []
-    for move in moves:
-        e = neutral.copy()
+    for shaped, move in itertools.product(_shapes_to_try(free), moves):
+        e = shaped.copy()
         for j, step in move.items():
             e[j] += step
         if all(f.low <= value <= f.high for f, value in zip(free, e)):
             trials.append(e)
     return trials
+
+
+def _shapes_to_try(free: tuple[Free, ...]) -> list[Array]:
+    """Return the effect's variables at no size, with each of the shapes that are to be tried."""
+    values = [[f.variable(value) for value in f.knob.tried] or [none]
+              for f, none in zip(free, _no_size(free))]
+    return [np.array(shaped) for shaped in itertools.product(*values)]
 
 
 def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:

@@ -7,10 +7,11 @@ from dataclasses import asdict, dataclass
 
 from ..campaigns import PAIRS
 from ..cases import Case
-from ..effects import CATALOGUED, CHANGES, EFFECTS, NAMELESS, SIZES, VARIANTS
+from ..effects import (
+    CATALOGUED, CHANGES, EFFECTS, LATER_VARIANTS, NAMELESS, SIZES, VARIANTS)
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    'catalogued': (*CATALOGUED, *VARIANTS),
+    'catalogued': (*CATALOGUED, *VARIANTS, *LATER_VARIANTS),
     'uncatalogued': tuple(NAMELESS),
     'changes': tuple(CHANGES),
     'pairs': tuple('+'.join(pair) for pair in PAIRS),
