@@ -79,6 +79,19 @@ def test_what_has_no_name_is_unknown_in_its_place(
     assert max(below, above) < 1.3 * max(slopes)
 
 
+@pytest.mark.parametrize('effects', [
+    ('tubing_laminar',),
+    pytest.param(('tubing_laminar', 'ep_hysteresis'), marks=minutes),
+])
+def test_a_tube_whose_flow_is_laminar_is_a_tube(effects, tmp_path, monkeypatch):
+    report = diagnosis_of(effects, 60.0, tmp_path, monkeypatch, 'large')
+    names = {effect['name'] for effect in report['effects']}
+    assert names == {'tubing_restriction', *effects[1:]}
+    tube, = (one for one in report['effects'] if one['name'] == 'tubing_restriction')
+    assert tube['parameters']['tubing.laminar_share']['value'] > 0.8
+    errors_fall_to_the_noise(report)
+
+
 def search_on(effects, seed, folder, kind='mixed', spread='samples'):
     """Return the search on a record of the hidden plant with these effects and sizes."""
     write_case(Case('hidden', effects, kind=kind, spread=spread, seed=seed), folder)

@@ -4,11 +4,12 @@
 
 from dataclasses import replace
 
-from made_search import P, TIME, everywhere, searching, seen
+from made_search import P, STEPS, TIME, everywhere, searching, seen, steps_seen
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.freedom import put
 from booster_ros.diagnosis.searching.screening import references, screen, strong_frequencies
 
 
@@ -70,3 +71,18 @@ def test_a_ripple_that_stands_still_is_none():
     still = P._replace(supply=P.supply._replace(ripple=2e3, ripple_frequency=0.0))
     predicted = seen(P).predict(still)['chamber_pressure']
     assert np.isfinite(predicted).all()
+
+
+def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is_fitted():
+    """A gain that is off by a percent hides a tube from the parameters as given; it bent others."""
+    plant = put(P, 'ep_converter.gain', 1.01 * P.ep_converter.gain)
+    for name, value in {'restriction_area': 2.8e-6, 'laminar_share': 1.0}.items():
+        plant = put(plant, f'tubing.{name}', value)
+    search = searching(steps_seen(plant, STEPS, 1.2e5, seed=5), ('tubing_restriction',))
+    refit = search.refit()
+    places = references(refit.problem, refit.fit)
+    before, after = (screen(refit.problem, some, 'tubing_restriction', np.array([0.5])).cost
+                     for some in (places[:2], places))
+    rows = refit.problem.rows_counted()
+    assert before > 2.0 * rows
+    assert after < 1.3 * rows

@@ -115,6 +115,11 @@ _DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
 )
 
 
+TOLD_AT_REST = frozenset((
+    'ep_converter.gain', 'ep_converter.offset', 'supply.pressure', 'actuator.bench_set',
+    'actuator.stop_stiffness'))
+"""Declared parameters that settled pressures and positions depend on."""
+
 BENCH = ('booster.opening_gain', 'booster.max_area')
 """What a flow bench is there to measure: beside its flows nothing known of these two counts."""
 

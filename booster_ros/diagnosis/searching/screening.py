@@ -30,7 +30,8 @@ from scipy.signal import periodogram
 
 from booster_ros.diagnosis.fitting.descent import straight
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
-from booster_ros.diagnosis.fitting.freedom import Free, effect_freedom, loosened
+from booster_ros.diagnosis.fitting.freedom import (
+    TOLD_AT_REST, Free, effect_freedom, loosened)
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS, Effect
 
@@ -58,6 +59,9 @@ where they began as well.
 
 WORTH_A_STEP = 0.02
 """Share of the cost: chord steps end when one lowers the cost by less."""
+
+RESTS_EVALUATIONS = 10
+"""Steps of the fit of what is told at rest."""
 
 DIFFERENCE = 1e-2
 """Step in a variable of the effect, by which its column of the Jacobian is formed."""
@@ -249,13 +253,26 @@ def references(problem: Problem, fit: Fit) -> list[Reference]:
     Return what to screen around: the fit, and the same effects with the parameters as given.
 
     A refit without the effect may have bent the declared parameters so far to imitate it that
-    the true ones are out of linear reach; the given ones are near them.
+    the true ones are out of linear reach; the given ones are near them. But a pressure that is
+    off at every rest, as a gain may be off by a percent, hides what the given ones lack. So there
+    is a third place: what is told at rest fitted, all else as given.
     """
     given = problem.start()
     for j, free in enumerate(problem.freedoms):
         if not np.isfinite(free.sigma):
             given[j] = fit.z[j]
-    return [reference_at(problem, fit), reference_at(problem, problem.at(given))]
+    places = [fit, problem.at(given)]
+    at_rest = [j for j, free in enumerate(problem.freedoms)
+               if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
+    if at_rest:
+        settled = replace(problem, base=problem.parameters(given), freedoms=tuple(
+            problem.freedoms[j] for j in at_rest))
+        size = len(problem.freedoms)
+        found = settled.fit(np.append(given[at_rest], given[size:]), RESTS_EVALUATIONS)
+        z = given.copy()
+        z[at_rest], z[size:] = found.z[:len(at_rest)], found.z[len(at_rest):]
+        places.append(problem.at(z))
+    return [reference_at(problem, place) for place in places]
 
 
 def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
