@@ -50,7 +50,7 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
 )
 
-TIMES_OF_MEMORY = (3.0, 12.0, 48.0)
+TIMES_OF_MEMORY = (0.4, 3.0, 12.0, 48.0)
 """Times of memory that are tried of a term over a change, s: a fit goes on from the best."""
 
 LONGER = 1.5
