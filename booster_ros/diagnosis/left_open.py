@@ -65,7 +65,7 @@ most of it."""
 SLIPS = 2.0
 """Error, in standard deviations of what is left open, up to which slips are missed by chance."""
 
-EVALUATIONS = 12
+EVALUATIONS = 30
 
 
 def models_alike(last: LastFit, draws: Array) -> Alike | None:
