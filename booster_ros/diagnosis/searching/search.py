@@ -81,7 +81,7 @@ class Search:
         return Problem(experiment, rows, self.declared, self.freedoms)
 
     def refitted(self, candidate: Candidate, fit: Fit) -> Candidate:
-        """Return the model with another fit to the same rows; what was seen above the stem stays."""
+        """Return the model with another fit to the same rows; what is seen above the stem stays."""
         return replace(self.rate(candidate.effects, candidate.problem, fit),
                        confirmed=candidate.confirmed, lasting=candidate.lasting,
                        learnt=candidate.learnt)
