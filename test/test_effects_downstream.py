@@ -20,6 +20,7 @@ from positioner_runs import (
 import pytest
 
 from booster_ros.model.simulation import Plant, Simulation, simulate
+from booster_ros.model.tubing import tube_flow
 
 AREA, TRAVEL = 0.0796, 0.016
 STOP_STIFFNESS = 5e8
@@ -124,6 +125,11 @@ def test_drops_of_a_half_laminar_tube_add_up():
     q = np.abs(flow)
     whole = share * q / laminar + (1.0 - share) * (q / orifice)**2
     assert whole[inside] == pytest.approx(np.ones(inside.sum()), abs=0.02)
+
+
+def test_a_half_laminar_tube_is_still_where_pressures_differ_by_a_rounding():
+    tubing = positioner({'tubing.restriction_area': 2e-6, 'tubing.laminar_share': 0.02}).tubing
+    assert tube_flow(tubing, 2e-12, 0.0, 293.0, 293.0) == 0.0
 
 
 # chamber

@@ -48,7 +48,7 @@ def tube_flow(
         outlet_temperature, chamber_temperature, tubing.critical_pressure_ratio, ISO_6358,
     )
     share = tubing.laminar_share
-    if share == 0.0 or outlet == chamber:
+    if share == 0.0 or turbulent == 0.0:
         return turbulent
     temperature = outlet_temperature if outlet > chamber else chamber_temperature
     laminar = CHOKED_FLOW_FACTOR * tubing.restriction_area / math.sqrt(temperature) * (
