@@ -17,6 +17,8 @@ from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 
 Array = np.ndarray
 
+ROUNDS = 3
+
 
 def slopes_along_axes(problem: Problem, fit: Fit) -> Array:
     """
@@ -26,7 +28,17 @@ def slopes_along_axes(problem: Problem, fit: Fit) -> Array:
     the same, that percent is more than what differs between them, and what the rows cannot tell
     looks as if they told it well. Along an axis the step is as long as is needed to see that axis.
     A variable with a bound within reach keeps the column that it has.
+
+    The axes of a Jacobian that is a percent off are off as well. So it is done again with what came
+    of it, ROUNDS times in all.
     """
+    slopes = fit.jacobian
+    for _ in range(ROUNDS):
+        slopes = _along_axes(problem, replace(fit, jacobian=slopes))
+    return slopes
+
+
+def _along_axes(problem: Problem, fit: Fit) -> Array:
     low, high = problem.bounds()
     roomy = (fit.z - LARGEST_DIFFERENCE > low) & (fit.z + LARGEST_DIFFERENCE < high)
     inner = np.flatnonzero(roomy & fit.jacobian.any(axis=0))
