@@ -35,6 +35,7 @@ from booster_ros.diagnosis.fitting.freedom import label
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.diagnosis.last_fit import LastFit
 from booster_ros.diagnosis.result import Alike, ChannelError
+from booster_ros.diagnosis.searching.search import LAST_EVALUATIONS
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.system import PositionerParameters
@@ -64,8 +65,6 @@ most of it."""
 
 SLIPS = 2.0
 """Error, in standard deviations of what is left open, up to which slips are missed by chance."""
-
-EVALUATIONS = 30
 
 
 def models_alike(last: LastFit, draws: Array) -> Alike | None:
@@ -165,7 +164,7 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
 
     low, high = (np.append(one, another[shared:])
                  for one, another in zip(first.bounds(), other.bounds()))
-    z = descend(residuals, jacobian, np.clip(begin, low, high), low, high, EVALUATIONS).z
+    z = descend(residuals, jacobian, np.clip(begin, low, high), low, high, LAST_EVALUATIONS).z
     if first.cost(z[:own]) > first.cost(fit.z) + AS_WELL * own:
         return {}, {}
     predicted = other.predict(z[of_other]) or {}

@@ -297,7 +297,7 @@ CHANGES: dict[str, Effect] = {
     'supply_falls': Effect('supply', ('unknown',), {'supply.fall': 1.0}, (1e3, 4e3, 1.2e4)),
 }
 
-# last of all, for the same reason
+# last of all, as the draws of the changes go with their places, too
 LATER_VARIANTS: dict[str, Effect] = {
     'tubing_laminar': Effect(
         'tubing', ('tubing_restriction',), {'line.laminar_resistance': 1.0}, (3e12, 1e13, 4e13)

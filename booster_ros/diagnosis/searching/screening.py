@@ -261,18 +261,21 @@ def references(problem: Problem, fit: Fit) -> list[Reference]:
     for j, free in enumerate(problem.freedoms):
         if not np.isfinite(free.sigma):
             given[j] = fit.z[j]
-    places = [fit, problem.at(given)]
     at_rest = [j for j, free in enumerate(problem.freedoms)
                if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
-    if at_rest:
-        settled = replace(problem, base=problem.parameters(given), freedoms=tuple(
-            problem.freedoms[j] for j in at_rest))
-        size = len(problem.freedoms)
-        found = settled.fit(np.append(given[at_rest], given[size:]), RESTS_EVALUATIONS)
-        z = given.copy()
-        z[at_rest], z[size:] = found.z[:len(at_rest)], found.z[len(at_rest):]
-        places.append(problem.at(z))
-    return [reference_at(problem, place) for place in places]
+    third = [problem.at(_refitted(problem, given, at_rest))] if at_rest else []
+    return [reference_at(problem, place) for place in (fit, problem.at(given), *third)]
+
+
+def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
+    """Return z with these freedoms, and the start, fitted from there."""
+    size = len(problem.freedoms)
+    some = replace(problem, base=problem.parameters(z), freedoms=tuple(
+        problem.freedoms[j] for j in which))
+    free = np.r_[which, size:len(z)]
+    found = z.copy()
+    found[free] = some.fit(z[free], RESTS_EVALUATIONS).z
+    return found
 
 
 def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
