@@ -31,7 +31,7 @@ STICKING = DECLARED._replace(
 KNOTS = np.linspace(0.0, 0.016, discrepancy.KNOTS)
 TABLE = np.r_[0.0, 900.0 * np.sin(np.linspace(0.3, 3.0, discrepancy.KNOTS - 2)), 0.0]
 BENT = DECLARED._replace(discrepancy=discrepancy.Discrepancy(
-    discrepancy.STEM, discrepancy.VALVE_POSITION, KNOTS[0], KNOTS[-1], tuple(TABLE)))
+    discrepancy.STEM, discrepancy.VALVE_POSITION, tuple(KNOTS), tuple(TABLE)))
 NOISE = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
 
 

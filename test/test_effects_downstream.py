@@ -464,7 +464,7 @@ def test_flow_force_fades_with_travel():
 def test_a_tabulated_stem_term_is_a_force_over_position_and_zero_outside():
     values = {
         'discrepancy.location': 'stem', 'discrepancy.variable': 'valve_position',
-        'discrepancy.low': 0.25 * TRAVEL, 'discrepancy.high': 0.75 * TRAVEL,
+        'discrepancy.knots': list(np.linspace(0.25, 0.75, 12) * TRAVEL),
         'discrepancy.values': [-100.0] * 12,
     }
     shares = np.array([0.1, 0.3, 0.7, 0.9])
@@ -475,7 +475,8 @@ def test_a_tabulated_chamber_term_is_a_flow_out():
     flow = 2e-6
     values = {
         'discrepancy.location': 'chamber', 'discrepancy.variable': 'chamber_pressure',
-        'discrepancy.low': 100e3, 'discrepancy.high': 200e3, 'discrepancy.values': [flow] * 12,
+        'discrepancy.knots': list(np.linspace(100e3, 200e3, 12)),
+        'discrepancy.values': [flow] * 12,
     }
     run = cut_off(values, 140e3, rows(3.0))
     fall = np.gradient(run['chamber_pressure'], run['time'])[50]

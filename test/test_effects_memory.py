@@ -21,7 +21,7 @@ def creeping(location, variable, high, most):
     """Return values of a term that rises from -`most` to `most` over a change of ±`high`."""
     return {
         'discrepancy.location': location, 'discrepancy.variable': variable,
-        'discrepancy.low': -high, 'discrepancy.high': high, 'discrepancy.memory': MEMORY,
+        'discrepancy.knots': list(np.linspace(-high, high, 12)), 'discrepancy.memory': MEMORY,
         'discrepancy.values': list(np.linspace(-most, most, 12)),
     }
 
@@ -81,7 +81,7 @@ def test_plain_and_compiled_give_the_same_bits(values):
 def test_the_change_over_a_record_is_that_of_the_model(values, column, read):
     run = stepped(values)
     change = followed(positioner(values), run['time'], run.columns)
-    slope = values['discrepancy.values'][-1] / values['discrepancy.high']
+    slope = values['discrepancy.values'][-1] / values['discrepancy.knots'][-1]
     added = run[read] - run[column]
     assert np.abs(added).max() > 0.1 * values['discrepancy.values'][-1]
     stands = np.append(True, np.diff(run['control_current']) == 0.0)  # else seen from the next row

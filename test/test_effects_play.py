@@ -22,7 +22,7 @@ def rubbing(reach):
     """Return values of a play alone: what rubs with ±`reach`, in N."""
     return {
         'discrepancy.location': 'booster', 'discrepancy.variable': 'booster_force_play',
-        'discrepancy.reach': reach, 'discrepancy.low': -11.0 / 9.0, 'discrepancy.high': 11.0 / 9.0,
+        'discrepancy.reach': reach, 'discrepancy.knots': list(np.linspace(-11.0, 11.0, 12) / 9.0),
     }
 
 
@@ -105,7 +105,7 @@ def test_a_plant_that_gets_such_a_term_goes_on_from_where_it_is():
 
 def test_a_constant_beside_a_play_is_an_offset_of_the_converter():
     """From the start on: where a play rests goes by where the seats are shut."""
-    table = {**rubbing(REACH), 'discrepancy.low': -100.0, 'discrepancy.high': 100.0}
+    table = {**rubbing(REACH), 'discrepancy.knots': list(np.linspace(-100.0, 100.0, 12))}
     extra = 0.03
     moved = {**table, 'ep_converter.offset': -extra / 13.52e-6,
              'discrepancy.values': [0.0, *[extra] * 10, 0.0]}

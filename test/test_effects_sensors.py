@@ -94,7 +94,8 @@ def test_a_tabulated_sensor_term_is_added_to_the_reading(location):
     high = {'pressure_sensor': 220e3, 'position_sensor': 0.011}[location]
     size = {'pressure_sensor': 11e2, 'position_sensor': 11e-5}[location]
     values = {
-        'discrepancy.location': location, 'discrepancy.variable': name, 'discrepancy.high': high,
+        'discrepancy.location': location, 'discrepancy.variable': name,
+        'discrepancy.knots': list(np.linspace(0.0, high, 12)),
         'discrepancy.values': [size * k / 11.0 for k in range(12)],
     }
     true = DECLARED[name]

@@ -281,7 +281,7 @@ def test_supply_ripple_is_a_line_at_its_frequency_and_reaches_the_chamber():
 def test_a_tabulated_supply_term_over_time_is_added_where_the_table_is_and_zero_outside():
     values = {
         'discrepancy.location': 'supply', 'discrepancy.variable': 'time',
-        'discrepancy.low': 2.0, 'discrepancy.high': 13.0,
+        'discrepancy.knots': list(np.linspace(2.0, 13.0, 12)),
         'discrepancy.values': [100.0 * k for k in range(12)],
     }
     time = rows(15.0)
@@ -301,7 +301,7 @@ def test_a_tabulated_upstream_term_enters_its_component(location, variable, colu
     low, high = {'ep_converter': (0.3e-3, 0.5e-3), 'booster': (200e3, 300e3)}[location]
     values = {
         'discrepancy.location': location, 'discrepancy.variable': variable,
-        'discrepancy.low': low, 'discrepancy.high': high,
+        'discrepancy.knots': list(np.linspace(low, high, 12)),
         'discrepancy.values': [size] * 12,
     }
     time = rows(3.0)

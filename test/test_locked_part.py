@@ -22,7 +22,8 @@ WAVE = 150.0 * np.sin(np.linspace(0.0, 15.0, KNOTS))
 
 def waving(sign=1.0, current=RAMPS):
     """Return what is seen of a spring whose force goes up and down along the travel."""
-    table = Discrepancy(STEM, VALVE_POSITION, 0.0, 0.016, tuple(sign * WAVE))
+    table = Discrepancy(
+        STEM, VALVE_POSITION, tuple(np.linspace(0.0, 0.016, len(WAVE))), tuple(sign * WAVE))
     return seen(P._replace(discrepancy=table), None, 1.7e5, current, 4, RAMPS_TIME)
 
 

@@ -88,7 +88,7 @@ def test_mass_balance_of_a_chamber_whose_volume_has_a_term(variable, mean, heat)
     volumes = mean + 5e-5 * np.sin(np.arange(12.0) / 3.0)
     run = simulate(positioner({
         'discrepancy.location': 'chamber_volume', 'discrepancy.variable': variable,
-        'discrepancy.low': low, 'discrepancy.high': high,
+        'discrepancy.knots': list(np.linspace(low, high, 12)),
         'discrepancy.values': volumes.tolist(), **heat}), TIME, up_down_up(TIME))
     opened = np.interp(run[variable], np.linspace(low, high, 12), volumes)
     gain = stored(run, 0.0, opened)

@@ -78,7 +78,8 @@ def test_rows_are_divided_no_more_than_a_ripple_asks_for(values, parts):
 
 
 SWINGS = {'discrepancy.location': 'ep_converter', 'discrepancy.variable': 'time',
-          'discrepancy.high': 4.0, 'discrepancy.values': [1e3 * (k % 2) for k in range(12)]}
+          'discrepancy.knots': list(np.linspace(0.0, 4.0, 12)),
+          'discrepancy.values': [1e3 * (k % 2) for k in range(12)]}
 
 
 @pytest.mark.parametrize(('values', 'pascals'), [

@@ -52,7 +52,7 @@ EVERYTHING = {
     'sensors.position_backlash': 1e-4,
     'discrepancy.location': 'chamber',
     'discrepancy.variable': 'valve_position',
-    'discrepancy.high': 0.016,
+    'discrepancy.knots': list(np.linspace(0.0, 0.016, 12)),
     'discrepancy.values': [1e-7 * k for k in range(12)],
 }
 

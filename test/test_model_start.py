@@ -33,13 +33,14 @@ def gone_on(values, current, place=WHEN):
 def pushed(variable='valve_position', force=-400.0):
     """Return values of a force without a name that closes the stem, whatever the variable."""
     return {'discrepancy.location': 'stem', 'discrepancy.variable': variable,
-            'discrepancy.low': -1e9, 'discrepancy.high': 1e9, 'discrepancy.values': [force] * 12}
+            'discrepancy.knots': list(np.linspace(-1e9, 1e9, 12)),
+            'discrepancy.values': [force] * 12}
 
 
 def sensor_term(location, variable, low, high, size):
     """Return values of a sensor's term without a name that bends between two of the variable."""
     return {'discrepancy.location': location, 'discrepancy.variable': variable,
-            'discrepancy.low': low, 'discrepancy.high': high,
+            'discrepancy.knots': list(np.linspace(low, high, 12)),
             'discrepancy.values': [size * (0.5 + (k / 11.0)**2) for k in range(12)]}
 
 
@@ -179,7 +180,7 @@ def test_a_stem_starts_where_all_forces_on_it_balance(variable):
 
 def test_a_stem_starts_where_a_force_that_goes_by_its_position_balances():
     """None in mid travel, closing beyond it: its stiffness and that of the spring add up."""
-    values = pushed() | {'discrepancy.low': -1.0, 'discrepancy.high': 1.016,
+    values = pushed() | {'discrepancy.knots': list(np.linspace(-1.0, 1.016, 12)),
                          'discrepancy.values': list(np.linspace(6e5, -6e5, 12))}
     stiffness = 0.0796 * 150e3 / 0.016 + 12e5 / 2.016
     current = float(current_for(240e3))
@@ -196,7 +197,8 @@ def test_a_stem_that_a_force_presses_against_its_stop_stays_there():
 
 
 def test_a_supply_that_droops_starts_at_what_it_is_at_no_flow():
-    values = {'discrepancy.location': 'supply', 'discrepancy.low': -1.0, 'discrepancy.high': 1e3,
+    values = {'discrepancy.location': 'supply',
+              'discrepancy.knots': list(np.linspace(-1.0, 1e3, 12)),
               'discrepancy.values': [10e3] * 12,
               'supply.droop': 2e7, 'supply.droop_time_constant': 1.0}
     time = np.array([0.0, 0.5, 2.0])

@@ -22,7 +22,7 @@ from booster_ros.diagnosis.searching.nameless import (
     as_good, beyond_names, compete, over_time, preferable, term_alone)
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_gentle_ends, with_term
+from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
 from booster_ros.model import discrepancy as term
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
@@ -200,9 +200,9 @@ def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():
     over_time = next(one for one in terms(experiment.channels) if one.variable == term.TIME)
     joint = with_term(problem, problem.at(problem.start()), over_time, rows)
     table = joint.base.discrepancy
-    spacing = (table.high - table.low) / (term.KNOTS - 1)
-    assert table.high <= experiment.time[rows][-1] + spacing
-    assert table.low <= experiment.time[0]
+    spacing = table.knots[-1] - table.knots[-2]
+    assert table.knots[-1] <= experiment.time[rows][-1] + spacing
+    assert table.knots[0] <= experiment.time[0]
 
 
 def test_a_table_covers_what_was_measured_and_not_where_a_model_without_it_stays():
@@ -219,37 +219,17 @@ def test_a_table_covers_what_was_measured_and_not_where_a_model_without_it_stays
     joint = with_term(
         problem, problem.at(problem.start()), over_travel, np.ones(len(rows), dtype=bool))
     table = joint.base.discrepancy
-    spacing = (table.high - table.low) / (term.KNOTS - 1)
-    assert table.low + spacing == pytest.approx(measured.min(), abs=0.5 * spacing)
-    assert table.high - spacing == pytest.approx(measured.max(), abs=0.5 * spacing)
-
-
-@pytest.mark.parametrize(('inner', 'below', 'above'), [
-    (np.linspace(0.0, 9.0, 10), 1.0, 9.0),  # as it rose: nine steps back to zero
-    (np.r_[4.0, 3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0, -3.0], 2.0, 1.5),
-    (np.full(10, 5.0), 9.0, 9.0),  # no further than the record went
-    (np.zeros(10), 1.0, 1.0),
-])
-def test_a_table_fades_no_more_steeply_than_it_runs(inner, below, above):
-    table = term.Discrepancy(
-        term.CHAMBER, term.VALVE_POSITION, -1e-3, 10e-3, (0.0, *1e-6 * inner, 0.0))
-    p = DECLARED._replace(discrepancy=table)
-    bare = p._replace(discrepancy=table._replace(values=(0.0,) * term.KNOTS))
-    fit = Fit((), np.zeros(0), p, None, 0.0, np.zeros((0, 0)))
-    gentle = with_gentle_ends(Problem(None, None, bare, ()), fit).base.discrepancy
-    assert (gentle.fade_below, gentle.fade_above) == pytest.approx((1e-3 * below, 1e-3 * above))
-    assert term.covered(gentle) == pytest.approx((0.0, 9e-3))
-    filled = gentle._replace(values=table.values)
-    for position in np.linspace(0.0, 9e-3, 50):
-        assert term.interpolate(filled, position) == pytest.approx(
-            term.interpolate(table, position), abs=1e-12)
+    spacing = np.diff(table.knots)
+    assert spacing == pytest.approx(spacing[0])
+    assert term.covered(table) == pytest.approx(
+        (measured.min(), measured.max()), abs=0.5 * spacing[0])
 
 
 def test_a_term_over_time_leaves_the_rest_of_the_model_as_it_is_at_any_other_time():
     """Fitted together, the gain of the E/P converter would follow what the supply did once."""
     swell = np.r_[np.zeros(2), 6e3 * np.sin(np.linspace(0.0, np.pi, 6)), np.zeros(4)]
     plant = DECLARED._replace(discrepancy=term.Discrepancy(
-        term.SUPPLY, term.TIME, 0.0, 60.0, tuple(swell)))
+        term.SUPPLY, term.TIME, tuple(np.linspace(0.0, 60.0, 12)), tuple(swell)))
     experiment = prepare(record_of(timed_columns(plant)), DECLARED)
     search = Search(experiment, split(experiment.time, experiment.current), DECLARED,
                     free_to_refit(DECLARED, experiment))

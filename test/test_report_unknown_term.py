@@ -36,7 +36,8 @@ def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
         discrepancy.TIME)
     size = {'ep_converter': 1e4, 'booster': 0.1, 'supply': 1e4, 'chamber': 1e-5, 'stem': 300.0,
             'pressure_sensor': 1e3, 'position_sensor': 1e-4, 'chamber_volume': 1e-4}[place]
-    table = discrepancy.Discrepancy(location, variable, -1.0, 40.0, (size,) * discrepancy.KNOTS)
+    knots = tuple(np.linspace(-1.0, 40.0, discrepancy.KNOTS))
+    table = discrepancy.Discrepancy(location, variable, knots, (size,) * discrepancy.KNOTS)
     time = np.arange(0.0, 30.0, 0.1)
     current = np.where(time < 10.0, 3.8e-4, 4.4e-4)
     without, with_it = (simulate(p, time, current) for p in (
@@ -77,7 +78,8 @@ def unknown_over(table):
 
 def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step():
     table = BENT.discrepancy._replace(
-        variable=discrepancy.POSITION_CHANGE, low=-0.008, high=0.008, memory=12.0)
+        variable=discrepancy.POSITION_CHANGE, knots=tuple(np.linspace(-0.008, 0.008, 12)),
+        memory=12.0)
     diagnosis = unknown_over(table)
     page = Page(html_page(diagnosis, FROM))
     assert 'depends on the recent change of the valve position' in page.text
@@ -91,7 +93,8 @@ def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step(
 def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
     values = (0.0, *np.linspace(0.03, 0.026, 10), 0.0)
     table = discrepancy.Discrepancy(
-        discrepancy.BOOSTER, discrepancy.FORCE_PLAY, -11.0 / 9.0, 11.0 / 9.0, values, reach=0.018)
+        discrepancy.BOOSTER, discrepancy.FORCE_PLAY, tuple(np.linspace(-11.0, 11.0, 12) / 9.0),
+        values, reach=0.018)
     diagnosis = unknown_over(table)
     page = Page(html_page(diagnosis, FROM))
     assert 'through a play 0.0360 N wide' in page.text

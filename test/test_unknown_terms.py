@@ -27,8 +27,8 @@ from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PAST_UNIT
 
 CHANGING = 'stem over valve_position_change'
-CREEPING = Discrepancy(EP_CONVERTER, CURRENT_CHANGE, -1e-4, 1e-4, tuple(np.linspace(-5e3, 5e3, 12)),
-                       memory=4.0)
+CREEPING = Discrepancy(EP_CONVERTER, CURRENT_CHANGE, tuple(np.linspace(-1e-4, 1e-4, KNOTS)),
+                       tuple(np.linspace(-5e3, 5e3, KNOTS)), memory=4.0)
 
 
 def table_of(experiment: Experiment, label: str, rows=None, memory: float = 12.0) -> Discrepancy:
@@ -115,7 +115,7 @@ def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, pa
                      departure=Departure(past=past))
     change = followed(P._replace(discrepancy=CREEPING), time, crept.columns, past)
     later = np.append(False, np.diff(current) == 0.0) & (time > 0.5)
-    slope = CREEPING.values[-1] / CREEPING.high
+    slope = CREEPING.values[-1] / CREEPING.knots[-1]
     lag = 1.0 / (1.0 - P.ep_converter.time_constant / CREEPING.memory)
     added = crept['back_pressure'] - plain['back_pressure']
     settled = later & (np.abs(time - 5.0) > 0.5)
@@ -126,8 +126,8 @@ def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, pa
 def test_what_a_table_holds_makes_no_valve_implausible():
     """Of a term that leaves noise only the declared parameters may be far off."""
     wave = tuple(np.r_[0.0, 400.0 * np.sin(np.linspace(0.3, 9.0, 10)), 0.0])
-    plant = P._replace(discrepancy=Discrepancy(STEM, VARIABLES.index('valve_position'), -2e-3,
-                                               18e-3, wave))
+    plant = P._replace(discrepancy=Discrepancy(
+        STEM, VARIABLES.index('valve_position'), tuple(np.linspace(-2e-3, 18e-3, KNOTS)), wave))
     search = searching(seen(plant), ())
     refit = search.refit()
     one = next(t for t in terms(search.experiment.channels)
@@ -152,7 +152,8 @@ def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():
 def test_a_stem_that_shifts_in_the_course_of_time_lacks_something_in_the_stem():
     """A shift of the reading explains the position as well, but not the air that the stem moves."""
     wave = 200.0 * np.sin(np.linspace(0.0, 9.0, KNOTS))
-    plant = P._replace(discrepancy=Discrepancy(STEM, OVER_TIME, -5.0, 125.0, tuple(wave)))
+    plant = P._replace(discrepancy=Discrepancy(
+        STEM, OVER_TIME, tuple(np.linspace(-5.0, 125.0, KNOTS)), tuple(wave)))
     search = searching(seen(plant, None, 1.7e5, RAMPS, 4, RAMPS_TIME), ())
     refit = search.refit()
     best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]

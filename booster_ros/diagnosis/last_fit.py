@@ -27,7 +27,8 @@ from booster_ros.diagnosis.searching.nameless import over_time, preferable, term
 from booster_ros.diagnosis.searching.search import (
     EVALUATIONS, LAST_EVALUATIONS, Search, as_given, declared_as_given, settled)
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.unknown import UNNAMED, with_gentle_ends
+from booster_ros.diagnosis.searching.knots import with_gentle_ends
+from booster_ros.diagnosis.searching.unknown import UNNAMED
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray

@@ -102,8 +102,7 @@ class UnknownTerm:
     @property
     def knots(self) -> Array:
         """Values of the variable at which the table has values of its own, shape (term.KNOTS,)."""
-        inner = np.linspace(*self.seen, term.KNOTS - 2)
-        return np.r_[self.table.low, inner, self.table.high]
+        return np.array(self.table.knots)
 
     @property
     def values(self) -> Array:

@@ -3,7 +3,7 @@
 """
 What a record showed beyond the named effects: a tabulated term in one component.
 
-The table is piecewise linear over one variable. Its second value and its last but one are the ends
+The table is piecewise linear between its knots. The second knot and the last but one are the ends
 of what the record covered; beyond them the term fades to the outermost values, then it is zero.
 
 A term over the place of the booster's force in a play (friction of a relay) contains the play
@@ -42,27 +42,20 @@ PLACES = 200
 
 
 class Discrepancy(NamedTuple):
-    """A table of `KNOTS` values from `low` to `high`, at equal distances but for the two fades."""
+    """A table of `KNOTS` values of a term, and of the variable that it depends on."""
 
     location: Annotated[int, Quantity('-', 'component that the term enters: ' + ', '.join(
         LOCATIONS))] = NONE
     variable: Annotated[int, Quantity('-', 'what the term depends on: ' + ', '.join(
         VARIABLES))] = TIME
-    low: Annotated[float, Quantity(
-        'unit of the variable', 'variable at the first value')] = 0.0
-    high: Annotated[float, Quantity(
-        'unit of the variable', 'variable at the last value')] = 1.0
+    knots: Annotated[tuple[float, ...], Quantity(
+        'unit of the variable', f'the variable where the term has its {KNOTS} values; must rise',
+    )] = tuple(map(float, range(KNOTS)))
     values: Annotated[tuple[float, ...], Quantity(
         'Pa (ep_converter, supply, pressure_sensor), N (booster, stem), kg/s (chamber), '
         'm (position_sensor), m^3 (chamber_volume)',
-        f'the term at {KNOTS} values of the variable, equidistant but for the two fades',
+        f'the term at {KNOTS} values of the variable',
     )] = (0.0,) * KNOTS
-    fade_below: Annotated[float, Quantity(
-        'unit of the variable', 'from the first value to the second; 0: as to any other',
-        0.0, 1e9)] = 0.0
-    fade_above: Annotated[float, Quantity(
-        'unit of the variable', 'from the last value but one to the last; 0: as to any other',
-        0.0, 1e9)] = 0.0
     memory: Annotated[float, Quantity(
         's', 'of a change, else ignored: time in which 63 % of what was is forgotten',
         1e-2, 1e6)] = 10.0
@@ -105,39 +98,33 @@ def can_depend(location: int, variable: int) -> bool:
 
 def covered(table: Discrepancy) -> tuple[float, float]:
     """Return the variable at the second value and at the last but one."""
-    below, above = table.fade_below, table.fade_above
-    equal = KNOTS - 3 + (below <= 0.0) + (above <= 0.0)
-    step = (table.high - table.low - below - above) / equal
-    return (table.low + (below if below > 0.0 else step),
-            table.high - (above if above > 0.0 else step))
+    return table.knots[1], table.knots[-2]
 
 
 def interpolate(table: Discrepancy, value: float) -> float:
     """Return the term at `value`, in the unit of the table's location; zero outside."""
-    if not table.low <= value <= table.high:  # also where the value is no number
+    if not table.knots[0] <= value <= table.knots[-1]:  # also where the value is no number
         return 0.0
-    left, share, _ = _interval(table, value)
+    left = _knot_below(table, value)
+    share = (value - table.knots[left]) / (table.knots[left + 1] - table.knots[left])
     return table.values[left] * (1.0 - share) + table.values[left + 1] * share
 
 
 def slope(table: Discrepancy, value: float) -> float:
     """Return the slope of the term over its variable at `value`; zero outside."""
-    if not table.low <= value <= table.high:
+    if not table.knots[0] <= value <= table.knots[-1]:
         return 0.0
-    left, _, width = _interval(table, value)
-    return (table.values[left + 1] - table.values[left]) / width
+    left = _knot_below(table, value)
+    return (table.values[left + 1] - table.values[left]) / (
+        table.knots[left + 1] - table.knots[left])
 
 
-def _interval(table: Discrepancy, value: float) -> tuple[int, float, float]:
-    """Return the index of the knot below, the share of the way to the next, and that width."""
-    first, last = covered(table)
-    if value < first:
-        return 0, (value - table.low) / (first - table.low), first - table.low
-    if value > last:
-        return KNOTS - 2, (value - last) / (table.high - last), table.high - last
-    place = 1.0 + (value - first) / (last - first) * (KNOTS - 3)
-    left = min(int(place), KNOTS - 3)
-    return left, place - left, (last - first) / (KNOTS - 3)
+def _knot_below(table: Discrepancy, value: float) -> int:
+    """Return the index of the knot at or below a value within the table, the last one excepted."""
+    left = KNOTS - 2
+    while table.knots[left] > value:
+        left -= 1
+    return left
 
 
 def place_in_play(table: Discrepancy, past: float, force: float) -> float:

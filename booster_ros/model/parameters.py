@@ -177,12 +177,9 @@ def check_consistent(p: PositionerParameters) -> None:
         _Rule(a.dead_volume + a.added_volume > 0.0,
               'actuator.dead_volume plus actuator.added_volume must be greater than 0 m^3, got '
               f'{a.dead_volume + a.added_volume:g}'),
-        _Rule(d.high > d.low,
-              f'discrepancy.high ({d.high:g}) must be greater than discrepancy.low ({d.low:g})'),
-        _Rule(d.fade_below + d.fade_above < d.high - d.low,
-              f'discrepancy.fade_below ({d.fade_below:g}) and discrepancy.fade_above '
-              f'({d.fade_above:g}) must leave room between discrepancy.low ({d.low:g}) and '
-              f'discrepancy.high ({d.high:g})'),
+        _Rule(all(one < another for one, another in zip(d.knots, d.knots[1:])),
+              'discrepancy.knots must rise from each value to the next, got '
+              f'{shown(d.knots)}'),
         _Rule(discrepancy.can_depend(d.location, d.variable),
               f'discrepancy.variable: {discrepancy.VARIABLES[d.variable]} is nothing that a term '
               f'in {discrepancy.LOCATIONS[d.location]} can follow'),

@@ -9,13 +9,14 @@ import numpy as np
 from booster_ros.diagnosis.experiment.segments import USED
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.searching.candidate import (
-    NEAR_NOISE, TOO_SIMILAR, Candidate, clearly_better, explains, told_apart)
+    NEAR_NOISE, TOO_SIMILAR, WORTH_ADDING, Candidate, clearly_better, explains, told_apart)
+from booster_ros.diagnosis.searching.knots import looking_closer
 from booster_ros.diagnosis.searching.next_effect import FIRST_EVALUATIONS
 from booster_ros.diagnosis.searching.search import (
     EVALUATIONS, WORTH_A_LAST_POLISHING, Search, polished)
 from booster_ros.diagnosis.searching.forward import WELL_EXPLAINED
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.teaching import taught_what_it_missed
+from booster_ros.diagnosis.searching.teaching import fitted_to_noise, taught_what_it_missed
 from booster_ros.diagnosis.searching.unknown import (
     UNNAMED, linear_reach, moved, terms, with_free_past)
 from booster_ros.model import discrepancy as term
@@ -52,6 +53,9 @@ far off where much is missing.
 LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
+LOOKS = 3
+"""How often the knots of a term go to where it bends."""
+
 BEYOND = 0.5
 """
 Share of what several named effects leave: a term that leaves less settles the matter without an
@@ -77,11 +81,8 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     if not compete(tried):
         return []
     foreseen = bool(tried.chosen.effects) and leave_less(tried, FORESEEN)
-    candidates = []
-    for label, joint, z in _likely(search, tried.refit, foreseen):
-        # terms in different places differ little in cost
-        fit = polished(joint, joint.fit(z, evaluations=EVALUATIONS))
-        candidates.append(search.rate((UNNAMED + label,), joint, fit))
+    candidates = [_fitted(search, label, joint, z)
+                  for label, joint, z in _likely(search, tried.refit, foreseen)]
     if tried.chosen.effects:
         candidates = [one if over_time(one) else taught_what_it_missed(search, one) or one
                       for one in candidates]
@@ -187,6 +188,30 @@ def term_alone(search: Search, candidate: Candidate, before: Fit) -> tuple[Probl
     z = np.concatenate([np.zeros(len(problem.freedoms)), before.z[declared:]])
     fit = problem.fit(z, evaluations=EVALUATIONS)
     return problem, polished(problem, fit, WORTH_A_LAST_POLISHING)
+
+
+def _fitted(search: Search, label: str, joint: Problem, z: Array) -> Candidate:
+    """
+    Return the model with a term, fitted to its end.
+
+    Its knots are at equal distances at first. Where that leaves more than noise, they go to where
+    the term bends, as long as it scores better by a share that matters.
+    """
+    def rated(problem: Problem, begin: Array) -> Candidate:
+        # terms in different places differ little in cost
+        fit = polished(problem, problem.fit(begin, evaluations=EVALUATIONS))
+        return search.rate((UNNAMED + label,), problem, fit)
+
+    best = rated(joint, z)
+    if fitted_to_noise(best):
+        return best
+    for _ in range(LOOKS):
+        closer = rated(*looking_closer(best.problem, best.fit))
+        gains = closer.score < (1.0 - WORTH_ADDING) * best.score
+        best = min(best, closer, key=lambda c: c.score)
+        if not gains:
+            break
+    return best
 
 
 def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:

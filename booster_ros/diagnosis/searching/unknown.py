@@ -24,7 +24,7 @@ from booster_ros.model import discrepancy as term
 from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import (
-    KNOTS, Discrepancy, covered, past_at_rest, place_in_play)
+    KNOTS, Discrepancy, past_at_rest, place_in_play)
 from booster_ros.model.sensors import lagged
 from booster_ros.model.system import PAST_UNIT, PositionerParameters
 from booster_ros.records.holding import bridged
@@ -214,7 +214,7 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
         values = _course(problem.experiment, reference, longer, seen)
         low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
-    table = empty._replace(low=float(low - spacing), high=float(high + spacing))
+    table = empty._replace(knots=tuple(low + spacing * np.arange(-1.0, KNOTS - 1)))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
     values_free = tuple(
         Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
@@ -252,28 +252,6 @@ def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
     where = len(joint.freedoms)
     free = Free(Knob(f'discrepancy.{name}', begin, low, high, begin, shape=True), begin, begin)
     return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
-
-
-def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
-    """
-    Return the problem with a table that fades to zero no more steeply than it runs as fitted.
-
-    A leak that grows along the travel does not vanish just beyond the last position seen: a valve
-    that goes there would meet a step which no record showed. No fade is longer than the range that
-    was seen. Over a play the table stays as it is: nothing is beyond a play.
-    """
-    table = fit.parameters.discrepancy
-    if term.has_play(table):
-        return problem
-    first, last = covered(table)
-    inner = np.array(table.values[1:-1])
-    spacing = (last - first) / (KNOTS - 3)
-    steepest = max(float(np.abs(np.diff(inner)).max()) / spacing, 1e-300)
-    below, above = (
-        float(np.clip(abs(end) / steepest, spacing, last - first)) for end in inner[[0, -1]])
-    gentle = problem.base.discrepancy._replace(
-        low=first - below, high=last + above, fade_below=below, fade_above=above)
-    return replace(problem, base=problem.base._replace(discrepancy=gentle))
 
 
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
