@@ -52,6 +52,7 @@ def test_a_range_goes_with_the_valve_unless_its_unit_does_not(knob):
     factor = expected[described.unit]
     ours = in_proportion(knob, larger(PAPER))
     assert ours.typical == pytest.approx(factor * knob.typical)
+    assert ours.tried == pytest.approx([factor * value for value in knob.tried])
     assert ours.high == pytest.approx(min(factor * knob.high, described.high))
     assert ours.low == pytest.approx(max(factor * knob.low, described.low))
     assert described.low <= ours.low <= ours.high <= described.high

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Lines in what the model misses, and the frequency and size at which a ripple is screened."""
+"""Lines in what the model misses, the size of a ripple, places and shapes that are tried."""
 
 from dataclasses import replace
 
@@ -86,3 +86,20 @@ def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is
     rows = refit.problem.rows_counted()
     assert before > 2.0 * rows
     assert after < 1.3 * rows
+
+
+def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
+    """Air before the tube that is not there costs as much as the tube explains."""
+    plant = P
+    for name, value in {
+            'ep_converter.gain': 1.003 * P.ep_converter.gain, 'ep_converter.hysteresis': 4.2e-6,
+            'actuator.dead_volume': 1.06 * P.actuator.dead_volume,
+            'tubing.restriction_area': 5.8e-6, 'tubing.outlet_volume': 1e-5}.items():
+        plant = put(plant, name, value)
+    search = searching(steps_seen(plant, STEPS, 1.7e5, seed=3), ('tubing_restriction',))
+    beside = search.joint(search.refit().problem, ('ep_hysteresis',))
+    fit = beside.fit(beside.start(), evaluations=30)
+    seen_as = screen(beside, references(beside, fit), 'tubing_restriction', np.array([0.5]))
+    rows = beside.rows_counted()
+    assert fit.cost > 1.3 * rows
+    assert seen_as.cost < 1.03 * rows

@@ -151,7 +151,7 @@ _ROWS = (
         'steps', 'two pressure taps, at the booster outlet and at the actuator',
         'ISO 6358 orifice and laminar flow behind a volume',
         Knob('tubing.restriction_area', 2e-6, 2e-7, 3e-5, 0.0, inverse=2),
-        Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True),
+        Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True, tried=(1e-5, 4e-5)),
         Knob('tubing.laminar_share', 0.0, 0.0, 1.0, 0.0, shape=True, tried=(0.0, 1.0))),
     _effect(
         'chamber_leak', 'chamber', 'air escapes from the actuator', 'settled pressures, steps',
