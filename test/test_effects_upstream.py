@@ -278,6 +278,21 @@ def test_supply_ripple_is_a_line_at_its_frequency_and_reaches_the_chamber():
     assert np.corrcoef(run['supply_pressure'][5000:-1], np.gradient(half))[0, 1] < -0.8
 
 
+@pytest.mark.parametrize('skew', [-0.9, -0.3, 0.3, 0.9])
+def test_a_skewed_ripple_has_the_height_and_the_period_of_the_sine_and_is_steep_on_one_side(skew):
+    """A compressor fills its receiver fast, and consumers empty it slowly, or the other way."""
+    values = {'supply.ripple': 3e3, 'supply.ripple_frequency': 0.2, 'supply.ripple_skew': skew}
+    time = rows(20.0)
+    run = simulate(positioner(values), time, np.full_like(time, current_for(200e3)))
+    wave = (run['supply_pressure'][:-1] - 400e3).reshape(4, -1)
+    assert wave == pytest.approx(np.tile(wave[0], (4, 1)), abs=1e-6)
+    assert (wave[0].min(), wave[0].max()) == pytest.approx((-3e3, 3e3), rel=2e-3)
+    harmonics = np.fft.rfft(wave[0])[1:5]
+    assert harmonics / harmonics[0] == pytest.approx(skew**np.arange(4) / np.arange(1, 5), abs=1e-3)
+    rises = np.mean(np.diff(wave[0], append=wave[0][0]) > 0.0)
+    assert rises == pytest.approx(np.arccos(skew) / np.pi, abs=5e-3)
+
+
 def test_a_tabulated_supply_term_over_time_is_added_where_the_table_is_and_zero_outside():
     values = {
         'discrepancy.location': 'supply', 'discrepancy.variable': 'time',

@@ -142,10 +142,11 @@ _ROWS = (
     _effect(
         'supply_ripple', 'supply', 'the supply pressure oscillates',
         'rests longer than its period', 'log the supply pressure at rest',
-        'sinusoidal supply pressure',
+        'sinusoidal or saw-toothed supply pressure',
         Knob('supply.ripple', 2e3, 0.0, 1e5),
         Knob('supply.ripple_frequency', 0.5, 0.003, 20.0, 0.5, shape=True),
-        Knob('supply.ripple_phase', 0.0, -7.0, 7.0, shape=True)),
+        Knob('supply.ripple_phase', 0.0, -7.0, 7.0, shape=True),
+        Knob('supply.ripple_skew', 0.0, -0.95, 0.95, shape=True)),
     _effect(
         'tubing_restriction', 'tubing', 'tube and fittings throttle between booster and actuator',
         'steps', 'two pressure taps, at the booster outlet and at the actuator',

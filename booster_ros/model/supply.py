@@ -27,10 +27,13 @@ class Supply(NamedTuple):
         'Hz', 'supply_ripple: frequency', 0.0, 100.0)] = 0.5
     ripple_phase: Annotated[float, Quantity(
         'rad', 'supply_ripple: phase at time zero', -100.0, 100.0)] = 0.0
+    ripple_skew: Annotated[float, Quantity(
+        '-', 'supply_ripple: 0 a sine, towards 1 a jump up and a slow fall, towards -1 a slow rise '
+        'and a jump down', -0.99, 0.99)] = 0.0
 
 
 HELD_SHARE = 0.05
-"""Share of its period over which a ripple is held: what it does is then off by 0.4 %."""
+"""Share of its period over which a ripple is held: what a sine does is then off by 0.4 %."""
 
 
 def set_pressure(supply: Supply, time: float) -> float:
@@ -38,7 +41,19 @@ def set_pressure(supply: Supply, time: float) -> float:
     if supply.ripple == 0.0:
         return supply.pressure
     angle = 2.0 * math.pi * supply.ripple_frequency * time + supply.ripple_phase
-    return supply.pressure + supply.ripple * math.sin(angle)
+    return supply.pressure + supply.ripple * swing(angle, supply.ripple_skew)
+
+
+def swing(angle: float, skew: float) -> float:
+    """
+    Return a wave between -1 and 1 at `angle` (rad): a sine, with `skew` (-1 to 1) a saw-tooth.
+
+    It is the sum of skew^(n - 1) sin(n angle) / n over all n >= 1 (Gradshteyn and Ryzhik, Table of
+    Integrals, Series, and Products, 1.448) over the largest value of that sum.
+    """
+    if abs(skew) < 1e-6:
+        return math.sin(angle)
+    return math.atan2(skew * math.sin(angle), 1.0 - skew * math.cos(angle)) / math.asin(skew)
 
 
 def longest_hold(supply: Supply) -> float:
