@@ -141,6 +141,23 @@ def test_what_a_table_holds_makes_no_valve_implausible():
     assert taught(search, candidate) is not None
 
 
+def test_a_transmitter_that_has_reached_its_end_is_a_sensor_that_lacks_something(monkeypatch):
+    """Beyond its end the pressure is not in the record: the term's range is not that of a reading."""
+    experiment = seen(P, None, 1.7e5, RAMPS, 4, RAMPS_TIME)
+    pressure = simulate(P, RAMPS_TIME, RAMPS, {'chamber_pressure': 1.7e5})['chamber_pressure']
+    experiment.measured['chamber_pressure'] = np.minimum(pressure, 235e3) + (
+        150.0 * np.random.default_rng(3).standard_normal(len(pressure)))
+    search = searching(experiment, ())
+    refit = search.refit()
+    label = 'pressure_sensor over chamber_pressure'
+    monkeypatch.setattr(nameless, 'terms', lambda *valve: [
+        one for one in terms(*valve) if one.label == label])
+    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
+    assert best.effects == (UNNAMED + label,)
+    assert best.misfit < 1.3 < 0.1 * refit.misfit
+    assert covered(best.fit.parameters.discrepancy)[1] > 250e3
+
+
 def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():
     search = searching(too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5)), ())
     refit = search.refit()

@@ -202,24 +202,36 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     Return the problem with the table's inner values free, over the range in the rows `seen`.
 
     The range is that of the variable as measured, where it was: a model without the term may stay
-    within half of that. `seen` has to include the rows between the fitted ones as well: the table
-    is zero beyond its range, and a run that leaves the range comes back with a chamber that knows
-    nothing of the term. For a change, the range is that of a longer memory, as a fit may find one;
-    for a play, it is that of the play itself.
+    within half of that. What a sensor lacks may hide part of the range, as where it has reached
+    its end: for its terms, the range that the parameters as given lead through counts as well.
+    `seen` has to include the rows between the fitted ones as well: the table is zero beyond its
+    range, and a run that leaves the range comes back with a chamber that knows nothing of the
+    term. For a change, the range is that of a longer memory, as a fit may find one; for a play, it
+    is that of the play itself.
     """
     empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
         longer = empty._replace(memory=LONGER * one.memory)
-        values = _course(problem.experiment, reference, longer, seen)
-        low, high = np.quantile(values[seen & np.isfinite(values)], [0.002, 0.998])
+        low, high = _range(problem, reference, longer, seen)
     spacing = max((high - low) / (KNOTS - 3), 1e-12)
-    table = empty._replace(knots=tuple(low + spacing * np.arange(-1.0, KNOTS - 1)))
+    table = empty._replace(knots=tuple((low + spacing * np.arange(-1.0, KNOTS - 1)).tolist()))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
     values_free = tuple(
         Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
     return Problem(problem.experiment, problem.rows, problem.base._replace(discrepancy=table),
                    problem.freedoms + values_free)
+
+
+def _range(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
+    """Return the lowest and the highest value of a term's variable, but for stray ones."""
+    values = _course(problem.experiment, reference, table, seen)[seen]
+    if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
+        given = problem.parameters(problem.start())
+        run = problem.experiment.simulate(given, reference.initial)
+        read = followed(given._replace(discrepancy=table), run['time'], run.columns)
+        values = np.r_[values, read[seen]]
+    return np.quantile(values[np.isfinite(values)], [0.002, 0.998])
 
 
 def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
