@@ -68,8 +68,8 @@ def test_the_parameters_of_effects_are_those_that_say_whose_they_are():
 
 
 SHAPES = sorted({
-    knob.parameter: 1.37 * knob.typical or 0.37 * knob.high for effect in EFFECTS.values() for knob in effect.knobs
-    if knob.shape
+    knob.parameter: 1.37 * knob.typical or 0.37 * knob.high
+    for effect in EFFECTS.values() for knob in effect.knobs if knob.shape
 }.items())
 
 
