@@ -72,6 +72,14 @@ def test_a_channel_without_values_where_it_is_fitted_is_simulated():
         assert high - low > 1e-4
 
 
+def test_the_table_of_what_stands_still_has_knots_that_rise():
+    standing = seen(P, current=np.full(len(TIME), 4.1e-4))
+    pressures = standing.measured['chamber_pressure']
+    pressures[:] = pressures[0]
+    for label in ('ep_converter over control_current', 'chamber over chamber_pressure'):
+        assert (np.diff(table_of(standing, label).knots) > 0.0).all()
+
+
 def test_only_what_follows_a_change_has_a_memory_of_its_own():
     assert table_of(seen(P), CHANGING).memory == 12.0
     assert table_of(seen(P), 'stem over valve_position').memory == Discrepancy().memory

@@ -23,11 +23,11 @@ from booster_ros.diagnosis.fitting.valley import at_the_bottom
 from booster_ros.diagnosis.searching.candidate import (
     NEAR_NOISE, Candidate, best_of_each, clearly_better, explains)
 from booster_ros.diagnosis.searching.cascade import as_seen_above
+from booster_ros.diagnosis.searching.knots import with_gentle_ends
 from booster_ros.diagnosis.searching.nameless import over_time, preferable, term_alone
 from booster_ros.diagnosis.searching.search import (
     EVALUATIONS, LAST_EVALUATIONS, Search, as_given, declared_as_given, settled)
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.knots import with_gentle_ends
 from booster_ros.diagnosis.searching.unknown import UNNAMED
 from booster_ros.model.actuator import has_dry_friction
 

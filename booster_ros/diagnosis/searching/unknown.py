@@ -77,6 +77,10 @@ _PLACES = {
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Parts of the linear move that are tried: far away the model bends."""
 
+LEAST_SPACING = 1e-9
+"""Share of a variable that hardly changes by which knots are apart: rounding shifts none over
+another."""
+
 WIDEST = 1.0
 """
 Standard deviation of the prior on a value of the table, in sizes that show. The prior keeps unseen
@@ -214,7 +218,7 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     if one.variable != term.FORCE_PLAY:
         longer = empty._replace(memory=LONGER * one.memory)
         low, high = _range(problem, reference, longer, seen)
-    spacing = max((high - low) / (KNOTS - 3), 1e-12)
+    spacing = max((high - low) / (KNOTS - 3), LEAST_SPACING * max(abs(low), abs(high)), 1e-12)
     table = empty._replace(knots=tuple((low + spacing * np.arange(-1.0, KNOTS - 1)).tolist()))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
     values_free = tuple(
