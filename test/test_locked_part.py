@@ -13,6 +13,7 @@ from booster_ros.diagnosis.experiment.segments import USED, rows_of, split
 from booster_ros.diagnosis.fitting.freedom import put
 from booster_ros.diagnosis.locked_part import EXPLAINS_LITTLE, leave_much, stands
 from booster_ros.diagnosis.result import ChannelError, errors_of
+from booster_ros.diagnosis.searching.nameless import TOO_LITTLE
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.unknown import UNNAMED, Term, with_term
 from booster_ros.model.discrepancy import KNOTS, STEM, VALVE_POSITION, Discrepancy
@@ -27,7 +28,7 @@ def waving(sign=1.0, current=RAMPS):
     return seen(P._replace(discrepancy=table), None, 1.7e5, current, 4, RAMPS_TIME)
 
 
-def concluded(search, *chosen):
+def concluded(search, *chosen, fault=''):
     """Return the diagnosis where these were chosen, a term of the spring competing with them."""
     refit = search.refit()
     tried = Tried(refit, (*chosen, refit)[0], (refit, *chosen), dict.fromkeys(
@@ -35,7 +36,7 @@ def concluded(search, *chosen):
     one = Term(STEM, VALVE_POSITION, 200.0)
     rows, _ = search.rows_and_experiment(USED, search.thinning)
     joint = with_term(refit.problem, refit.fit, one, rows)
-    term = search.rate((UNNAMED + one.label,), joint, joint.fit())
+    term = replace(search.rate((UNNAMED + one.label,), joint, joint.fit()), fault=fault)
     return diagnose._conclude(search, tried, [term], ())
 
 
@@ -134,6 +135,14 @@ def test_a_term_that_explains_too_little_tells_where_much_is_missing(monkeypatch
     assert found.verdict == 'unknown'
     assert [effect.location for effect in found.effects] == ['stem']
     assert (found.refused.location, found.refused.error) == ('stem', None)
+
+
+def test_a_term_that_only_comes_nearest_tells_the_place_and_is_not_in_the_model():
+    found = concluded(searching(waving(), ()), fault=TOO_LITTLE)
+    assert (found.verdict, found.added, found.unknown) == ('unknown', False, None)
+    assert [effect.location for effect in found.effects] == ['stem']
+    assert found.refused.error is None
+    assert found.after == found.before
 
 
 @pytest.mark.parametrize('kept', [True, False])

@@ -15,7 +15,7 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.searching import nameless
-from booster_ros.diagnosis.searching.nameless import best_terms, compete
+from booster_ros.diagnosis.searching.nameless import TOO_LITTLE, best_terms, compete
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught
 from booster_ros.diagnosis.searching.unknown import UNNAMED, followed, terms, with_term
@@ -172,6 +172,13 @@ def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():
     tried = Tried(refit, refit, (refit,), {})
     assert compete(tried)
     assert best_terms(search, tried) == []
+
+
+def test_where_much_is_left_the_term_that_comes_nearest_tells_the_place():
+    search = searching(too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5), share=0.5), ())
+    refit = search.refit()
+    nearest, = best_terms(search, Tried(refit, refit, (refit,), {}))
+    assert nearest.fault == TOO_LITTLE
 
 
 def test_a_stem_that_shifts_in_the_course_of_time_lacks_something_in_the_stem():

@@ -28,7 +28,8 @@ from booster_ros.diagnosis.searching.birthplace import where_born
 from booster_ros.diagnosis.searching.candidate import (
     NOT_TOLD_APART, Candidate, best_of_each, gain, told_apart)
 from booster_ros.diagnosis.searching.forward import named
-from booster_ros.diagnosis.searching.nameless import best_terms, beyond_names, compete, preferable
+from booster_ros.diagnosis.searching.nameless import (
+    TOO_LITTLE, best_terms, beyond_names, compete, preferable)
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Progress, Tried
 from booster_ros.diagnosis.searching.unknown import UNNAMED, label_of, place_of
@@ -169,8 +170,7 @@ def _fate(term: Candidate, tried: Tried, added: UnknownTerm | None, refused: Ref
         return 'chosen: structure that no named effect predicts'
     if refused is not None and refused.error is not None:
         return DOES_NOT_STAND
-    return ('fitted to all but the locked part, it explains too little'
-            if preferable(term, tried) else 'not clearly better than the named effects')
+    return TOO_LITTLE if preferable(term, tried) else 'not clearly better than the named effects'
 
 
 def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:

@@ -56,7 +56,7 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
 
     The chosen one of the models tried is left without the effects that did not stand.
     """
-    if unnamed and preferable(unnamed[0], tried):
+    if unnamed and not unnamed[0].fault and preferable(unnamed[0], tried):
         last = _term(search, unnamed[0], before)
         if explains(last.fit, before.fit, last.problem.rows_counted()):
             return 'unknown', tried, last

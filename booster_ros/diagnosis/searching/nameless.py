@@ -50,6 +50,9 @@ tried, and up to the second they begin where the reckoning points. For the other
 far off where much is missing.
 """
 
+TOO_LITTLE = 'fitted to all but the locked part, it explains too little'
+"""Reason why a term without a name is not added that comes nearest to what is missing."""
+
 LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
@@ -76,7 +79,8 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     Where no named effect helps and much is left, noise is no explanation either. Then the terms
     compete on fit and select segments together, for what is missing may show in some of them only.
     There, each has to explain as much as a named effect has to; one over time, which bends to all
-    it is fitted to, also has to come near the noise.
+    it is fitted to, also has to come near the noise. Where none does and much is left, the one that
+    comes nearest is returned with its fault: it tells a place, and is not to be added.
     """
     if not compete(tried):
         return []
@@ -96,12 +100,13 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
         return as_good(candidates, best)
     refit = search.on_both(tried.refit, search.thinning)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
-    together = [one for one in together
-                if explains(one.fit, refit.fit, one.problem.rows_counted())]
-    together = [one for one in together if not over_time(one)
-                or one.fit.cost < FAITHFUL * one.problem.rows_counted()]
-    least = min((one.fit.cost for one in together), default=0.0)
-    return [one for one in together if one.fit.cost < (1.0 + TOO_SIMILAR) * least]
+    rows = refit.problem.rows_counted()
+    enough = [one for one in together if explains(one.fit, refit.fit, rows)
+              and not (over_time(one) and one.fit.cost >= FAITHFUL * rows)]
+    nearest = min(enough or together, key=lambda one: one.fit.cost)
+    if enough:
+        return [one for one in enough if one.fit.cost < (1.0 + TOO_SIMILAR) * nearest.fit.cost]
+    return [replace(nearest, fault=TOO_LITTLE)] if refit.fit.cost > FAITHFUL * rows else []
 
 
 def compete(tried: Tried) -> bool:
