@@ -18,7 +18,7 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said():
     within = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
     assert validated(found, within).notes == found.notes
 
-    narrow = UnknownTerm(found.unknown.table._replace(low=0.004, high=0.010))
+    narrow = UnknownTerm(found.unknown.table._replace(knots=tuple(np.linspace(0.004, 0.01, 12))))
     notes = validated(replace(found, unknown=narrow), within).notes
     seen = within.measured['valve_position']
     share = np.mean((seen < narrow.knots[1]) | (seen > narrow.knots[-2]))
