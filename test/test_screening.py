@@ -75,7 +75,7 @@ def test_a_ripple_that_stands_still_is_none():
 
 def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is_fitted():
     """A gain that is off by a percent hides a tube from the parameters as given; it bent others."""
-    plant = put(P, 'ep_converter.gain', 1.01 * P.ep_converter.gain)
+    plant = put(P, 'ep_converter.gain', 1.012 * P.ep_converter.gain)
     for name, value in {'restriction_area': 2.8e-6, 'laminar_share': 1.0}.items():
         plant = put(plant, f'tubing.{name}', value)
     search = searching(steps_seen(plant, STEPS, 1.2e5, seed=5), ('tubing_restriction',))
@@ -84,8 +84,8 @@ def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is
     before, after = (screen(refit.problem, some, 'tubing_restriction', np.array([0.5])).cost
                      for some in (places[:2], places))
     rows = refit.problem.rows_counted()
-    assert before > 1.7 * rows
-    assert after < 1.4 * rows
+    assert before > 2.0 * rows
+    assert after < 1.3 * rows
 
 
 def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
