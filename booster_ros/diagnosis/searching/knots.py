@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
-from booster_ros.model.discrepancy import KNOTS, Discrepancy, covered, has_play, interpolate
+from booster_ros.model.discrepancy import KNOTS, Discrepancy, has_play, interpolate
 
 Array = np.ndarray
 
@@ -20,7 +20,7 @@ NO_TURN = 1e-6
 
 def with_knots(problem: Problem, knots: Array) -> Problem:
     """Return the problem with a table that has its values there: rising, shape (KNOTS,)."""
-    table = problem.base.discrepancy._replace(knots=tuple(float(knot) for knot in knots))
+    table = problem.base.discrepancy._replace(knots=tuple(knots.tolist()))
     return replace(problem, base=problem.base._replace(discrepancy=table))
 
 
@@ -68,9 +68,9 @@ def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
     table = fit.parameters.discrepancy
     if has_play(table):
         return problem
-    (first, last), covers = covered(table), np.ptp(covered(table))
     knots, inner = np.array(table.knots[1:-1]), np.array(table.values[1:-1])
+    covers = knots[-1] - knots[0]
     steepest = max(float(np.abs(np.diff(inner) / np.diff(knots)).max()), 1e-300)
     below, above = (float(np.clip(abs(end) / steepest, covers / (KNOTS - 3), covers))
                     for end in inner[[0, -1]])
-    return with_knots(problem, np.r_[first - below, knots, last + above])
+    return with_knots(problem, np.r_[knots[0] - below, knots, knots[-1] + above])

@@ -76,11 +76,8 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     term over a state what the fit segments could not, as they may teach the named effects: those
     that compete here left more than noise where they were fitted, or still did when taught.
 
-    Where no named effect helps and much is left, noise is no explanation either. Then the terms
-    compete on fit and select segments together, for what is missing may show in some of them only.
-    There, each has to explain as much as a named effect has to; one over time, which bends to all
-    it is fitted to, also has to come near the noise. Where none does and much is left, the one that
-    comes nearest is returned with its fault: it tells a place, and is not to be added.
+    Where no named effect helps and no term scores clearly better, they compete on fit and select
+    segments together.
     """
     if not compete(tried):
         return []
@@ -98,7 +95,20 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     best = min(candidates, key=lambda c: c.score)
     if tried.chosen.effects or clearly_better(best, tried.refit):
         return as_good(candidates, best)
-    refit = search.on_both(tried.refit, search.thinning)
+    return _best_on_both(search, tried.refit, candidates)
+
+
+def _best_on_both(search: Search, refit: Candidate, candidates: list[Candidate]
+                  ) -> list[Candidate]:
+    """
+    Return the terms that explain fit and select segments together best, of nearly the same cost.
+
+    Where much is left, noise is no explanation, and what is missing may show in some segments only.
+    Each term has to explain as much as a named effect has to; one over time, which bends to all it
+    is fitted to, also has to come near the noise. Where none does and much is left, the one that
+    comes nearest is returned with its fault: it tells a place, and is not to be added.
+    """
+    refit = search.on_both(refit, search.thinning)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
     rows = refit.problem.rows_counted()
     enough = [one for one in together if explains(one.fit, refit.fit, rows)
@@ -106,7 +116,8 @@ def best_terms(search: Search, tried: Tried) -> list[Candidate]:
     nearest = min(enough or together, key=lambda one: one.fit.cost)
     if enough:
         return [one for one in enough if one.fit.cost < (1.0 + TOO_SIMILAR) * nearest.fit.cost]
-    return [replace(nearest, fault=TOO_LITTLE)] if refit.fit.cost > FAITHFUL * rows else []
+    much = refit.fit.cost > FAITHFUL * rows
+    return [replace(nearest, fault=TOO_LITTLE)] if much else []
 
 
 def compete(tried: Tried) -> bool:
