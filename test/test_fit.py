@@ -29,6 +29,21 @@ def test_a_converter_that_starts_at_the_edge_of_its_play_is_found_there():
     assert fit.cost < 1.1 * free.rows_counted()
 
 
+def test_at_the_edge_of_a_play_slopes_are_those_within_it():
+    """Beyond the edge there is nothing: the first row takes the place back to it."""
+    plant = P._replace(ep_converter=P.ep_converter._replace(hysteresis=6e-6))
+    experiment = seen(plant, Departure(ep_play=1.0))
+    problem = Problem(experiment, everywhere(experiment), plant, ())
+    edge = problem.start()
+    edge[2] = 1.0 - 1e-6
+    here, step = problem.residuals(edge), np.zeros(len(edge))
+    step[2] = 0.01
+    within = (here - problem.residuals(edge - step)) / 0.01
+    assert np.linalg.norm(within) > 100.0
+    np.testing.assert_allclose(problem.jacobian(edge, here)[:, 2], within, rtol=0.0,
+                               atol=0.05 * np.max(np.abs(within)))
+
+
 def test_a_start_without_play_warmth_or_past_costs_no_simulation_and_stays_free_of_data():
     experiment = seen(P)
     problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P, experiment)))
@@ -60,6 +75,6 @@ def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_li
     booster = one.problem.without_unseen(fit).parameters.booster
     assert booster.exhaust_lift_ratio == pytest.approx(left)
     never_drawn = np.tile(fit.z, (400, 1))
-    value, low, high = interval_of(one.problem, never_drawn, fit, lift)
-    assert (value, high) == pytest.approx((3.5, 8.0))
-    assert low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened
+    found = interval_of(one.problem, never_drawn, fit, lift)
+    assert (found.value, found.high) == pytest.approx((3.5, 8.0))
+    assert found.low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened

@@ -207,10 +207,10 @@ class Problem:
         steps = np.full(len(z), DIFFERENCE) if before is None else self.steps_for(
             z, np.linalg.norm(before, axis=0))
 
+        _, high = self.bounds()
+
         def column(j: int) -> Array:
-            step = steps[j]
-            if j < len(self.freedoms) and z[j] + step > self.freedoms[j].high:
-                step = -step
+            step = steps[j] if z[j] + steps[j] <= high[j] else -steps[j]
             moved = z.copy()
             moved[j] += step
             return (residuals(moved) - here) / step
@@ -260,7 +260,8 @@ class Problem:
         """
         Return the fit with those sizes back at neutral that the rows show less than their noise.
 
-        And with those shapes typical on which nothing depends.
+        And with those shapes typical on which nothing depends. Its slopes are those of before:
+        nothing seen has moved.
 
         Slopes also call a size unseen that lies where nothing more changes, such as that of a seat
         so wide that it is never fully open, though a neutral seat is not wide enough. So the model
@@ -283,7 +284,7 @@ class Problem:
             z = z.copy()
             z[j] = self.freedoms[j].without_size
         p = self.parameters(z)
-        return replace(fit, z=z, parameters=p, initial=self.initial(z, p))
+        return replace(fit, z=z, parameters=p, initial=self.initial(z, p), cost=self.cost(z))
 
     def rows_counted(self) -> int:
         """Return how many measurements count, over all channels."""
