@@ -144,9 +144,10 @@ def test_the_interval_of_a_size_is_all_that_good_trials_show():
     trials = Trials(z, np.array([1.0] * 40 + [9.0]), (k,))
     assert trials.ends(k) == pytest.approx((0.8 * centre[k], 1.3 * centre[k]))
     assert trials.ends(k + 1) is None
-    _, low, high = interval_of(
+    found = interval_of(
         problem, trials.instead_of(z), problem.at(centre), k, trials.ends(k))
-    assert (low, high) == pytest.approx((free.value(0.8 * centre[k]), free.value(1.3 * centre[k])))
+    assert (found.low, found.high) == pytest.approx(
+        (free.value(0.8 * centre[k]), free.value(1.3 * centre[k])))
 
 
 def test_draws_have_what_was_varied_from_good_trials_and_the_rest_as_it_was():

@@ -40,7 +40,7 @@ def test_json_holds_what_others_rely_on(diagnosis):
         for name, interval in found.parameters.items():
             assert effect['parameters'][name] == {
                 'value': interval.value, 'low': interval.low, 'high': interval.high,
-                'unit': interval.unit}
+                'unit': interval.unit, 'open_above': interval.open_above}
     for one in diagnosis.refitted:
         assert report['declared_parameters'][one.name]['after'] == one.after
         assert report['declared_parameters'][one.name]['at_limit'] is one.at_limit

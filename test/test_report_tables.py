@@ -60,6 +60,15 @@ def test_declared_parameters_have_intervals_and_those_that_are_hardly_told_are_m
     assert not any('hardly told' in declared_table((one,), stages) for one in (told, moved, alone))
 
 
+def test_what_may_be_rigid_has_no_upper_end():
+    softest = Interval(0.0, 3.3e7, 1e10, 'N/m', open_above=True)
+    page = Page(effect_table(replace(
+        FRICTION, parameters={'actuator.presliding_stiffness': softest})))
+    assert 'none' in page.texts
+    assert any(text.startswith('from 33') and text.endswith('N/mm up') for text in page.texts)
+    assert not any(' to ' in text and '10' in text for text in page.texts)
+
+
 def test_a_short_interval_of_a_length_is_in_one_unit():
     backlash = replace(
         FRICTION, parameters={'sensors.position_backlash': Interval(6e-5, 5e-5, 8e-5, 'm')})

@@ -83,10 +83,10 @@ def test_a_drift_stands_though_the_record_is_too_short_to_see_it_end():
     ep = fit.parameters.ep_converter
     slope = ep.drift / ep.drift_time_constant
     assert slope == pytest.approx(4000.0 / 1500.0, rel=0.1)
-    value, low, high = interval_of(problem, draws, fit, 0)
-    assert 0.0 < low < value < high
-    _, shortest, longest = interval_of(problem, draws, fit, 1)
-    assert longest > 2.0 * shortest
+    found = interval_of(problem, draws, fit, 0)
+    assert 0.0 < found.low < found.value < found.high
+    shape = interval_of(problem, draws, fit, 1)
+    assert shape.high > 2.0 * shape.low
 
 
 def made_fit(effect, z, draws, columns=None):
@@ -328,10 +328,51 @@ def test_the_interval_of_a_stiffness_that_may_be_rigid_holds_its_value():
     where = np.zeros(len(free))
     where[index] = z
     problem, draws, fit = made_fit('stem_friction', where, draws)
-    value, low, high = interval_of(problem, draws, fit, index)
-    assert value == pytest.approx(3.6e6)
-    assert knob.low <= low < 1.5e6
-    assert high == knob.high
+    found = interval_of(problem, draws, fit, index)
+    assert found.value == pytest.approx(3.6e6)
+    assert knob.low <= found.low < 1.5e6
+    assert found.open_above
+    assert not found.is_none
+
+
+def test_the_interval_of_a_stiffness_that_was_found_rigid_says_from_where_it_may_be():
+    """Not that it lies between rigid, which is 0, and that: what is softer is excluded."""
+    free = effect_freedom(EFFECTS['stem_friction'])
+    index = next(j for j, f in enumerate(free) if f.knob.inverse)
+    draws = np.zeros((400, len(free)))
+    draws[:, index] = np.abs(0.1 * RNG.standard_normal(400))
+    problem, draws, fit = made_fit('stem_friction', np.zeros(len(free)), draws)
+    found = interval_of(problem, draws, fit, index)
+    assert found.value == 0.0
+    assert found.is_none
+    assert found.low == pytest.approx(free[index].knob.typical / 0.2, rel=0.1)
+    assert found.holds_none(free[index].knob)
+
+
+def test_skewed_draws_give_an_interval_that_is_as_long_on_either_side():
+    free = effect_freedom(EFFECTS['chamber_leak'])
+    draws = np.zeros((400, len(free)))
+    draws[:, 0] = 2.0 + RNG.exponential(0.2, 400)
+    problem, draws, fit = made_fit('chamber_leak', np.append(2.0, np.zeros(len(free) - 1)), draws)
+    found = interval_of(problem, draws, fit, 0)
+    assert found.value - found.low == pytest.approx(found.high - found.value)
+    assert found.high == pytest.approx(free[0].value(2.0 + 0.2 * np.log(20.0)), rel=0.02)
+
+
+def test_a_size_that_a_bound_holds_back_may_be_as_large_as_one_that_just_shows():
+    """The rows would rather have less than no leak, by more than twice as much as they tell."""
+    experiment = recorded(P, seed=5)
+    problem = with_effect(Problem(experiment, np.ones(len(TIME), dtype=bool), P, ()),
+                          EFFECTS['chamber_leak'])
+    fit = problem.fit()
+    pull = fit.jacobian[:, 0] @ problem.residuals(fit.z) / np.linalg.norm(fit.jacobian[:, 0])
+    assert fit.z[0] < 1e-6
+    assert pull > 2.0
+    draws = block_bootstrap(problem, fit, (TIME // 3.1416).astype(int))
+    assert abs(np.mean(draws[:, 0])) < 0.2 * np.std(draws[:, 0])
+    found = interval_of(problem, draws, fit, 0)
+    seen_at = problem.freedoms[0].scale / np.linalg.norm(fit.jacobian[:, 0])
+    assert 1.2 * seen_at < found.high < 3.0 * seen_at
 
 
 def test_a_size_that_no_row_shows_goes_back_to_neutral():
@@ -343,9 +384,12 @@ def test_a_size_that_no_row_shows_goes_back_to_neutral():
     assert fit.parameters.booster.exhaust_preload > 0.0  # a bench never exhausts
     assert booster.exhaust_preload == 0.0
     assert booster.intake_preload == fit.parameters.booster.intake_preload > 0.0
+    without = problem.without_unseen(fit)
+    assert without.cost == problem.cost(without.z)
     preload = [free.knob.parameter for free in fit.freedoms].index('booster.exhaust_preload')
     drawn = block_bootstrap(problem, fit, np.arange(54))
-    assert interval_of(problem, drawn, fit, preload)[1:] == (0.0, 1.0)  # nothing is known of it
+    nothing = interval_of(problem, drawn, fit, preload)
+    assert (nothing.low, nothing.high) == (0.0, 1.0)
 
 
 def test_a_declared_parameter_that_ends_at_its_limit_is_pointed_out():

@@ -22,7 +22,7 @@ from booster_ros.diagnosis.left_open import models_alike, with_left_open
 from booster_ros.diagnosis.locked_part import DOES_NOT_STAND, less_the_locked_part, opened
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import (
-    Diagnosis, FoundEffect, Interval, Refitted, Refused, Suspect, UnknownTerm, either, errors_of)
+    Diagnosis, FoundEffect, Refitted, Refused, Suspect, UnknownTerm, either, errors_of)
 from booster_ros.diagnosis.searching.backward import compared
 from booster_ros.diagnosis.searching.birthplace import where_born
 from booster_ros.diagnosis.searching.candidate import (
@@ -210,9 +210,8 @@ def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
             parameter = free.knob.parameter
             if parameter in own:
                 tried_ends = last.trials.ends(index) if last.trials else None
-                value, low, high = interval_of(
+                parameters[parameter] = interval_of(
                     last.problem, last.draws, last.fit, index, tried_ends)
-                parameters[parameter] = Interval(value, low, high, DESCRIPTIONS[parameter].unit)
         rest = tuple(e for e in best.effects if e != name)
         rivals = _rivals(name, rest, tried, best)
         without = _best_without(rest, held_out, tried)
@@ -276,8 +275,10 @@ def _refitted(before: Fit, last: LastFit, search: Search) -> tuple[Refitted, ...
         looser = free if j is None else after.freedoms[j]
         z = looser.variable(get(after.parameters, name, element))
         at_limit = _at_limit(looser, z)
-        low, high = (np.nan, np.nan) if j is None or at_limit else interval_of(
-            last.problem, last.draws, after, j)[1:]
+        low = high = np.nan
+        if j is not None and not at_limit:
+            interval = interval_of(last.problem, last.draws, after, j)
+            low, high = interval.low, interval.high
         width = abs(looser.variable(high) - looser.variable(low)) / (2.0 * 1.96 * looser.sigma)
         rows.append(Refitted(
             label(free), DESCRIPTIONS[name].unit,

@@ -10,22 +10,13 @@ import numpy as np
 from booster_ros.diagnosis.experiment.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.experiment.segments import Segment
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
+from booster_ros.diagnosis.fitting.intervals import Interval
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A value with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -52,7 +43,7 @@ def either(effect: FoundEffect) -> str:
              if not knob.shape and knob.parameter in effect.parameters]
     intervals = [effect.parameters[knob.parameter] for knob in sizes]
     if len(sizes) < 2 or not all(
-            found.low <= knob.neutral <= found.high for knob, found in zip(sizes, intervals)):
+            found.holds_none(knob) for knob, found in zip(sizes, intervals)):
         return ''
     return (f'{" and ".join(knob.parameter for knob in sizes)}: each may be none, but not all: '
             'this record shows what they do together, with declared parameters beside them')

@@ -9,14 +9,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..diagnosis.experiment.experiment import rmse
-from ..diagnosis.result import Diagnosis, FoundEffect, Interval, Suspect
-from ..model.catalogue import EFFECTS, Knob
+from ..diagnosis.result import Diagnosis, FoundEffect, Suspect
+from ..model.catalogue import EFFECTS
 from ..model.system import PositionerParameters
 from ..paper.comparison import LABELS
 from ..paper.indices import StepIndices
 from ..paper.printed import PrintedIndex
 from ..paper.table_three import Suspect as IndexSuspect
-from ..report.engineering import Scale, digits_apart, number, si_text
+from ..report.engineering import (
+    Scale, digits_apart, interval_text, number, si_scale, si_text)
 from ..report.names import capital, channel_label, effect_label, listing
 from ..report.wording import verdict_sentences, verdict_title, with_what_was_added
 from . import remarks
@@ -113,16 +114,10 @@ def effect_table(effect: FoundEffect, declared: PositionerParameters) -> str:
             rows.append([f'`{name}`', 'none', ''])
             continue
         digits = digits_apart(interval.low, interval.high)
-        rows.append([f'`{name}`', si_text(interval.value, interval.unit, digits),
-                     _range(knob, interval, digits)])
+        value = 'none' if interval.is_none else si_text(interval.value, interval.unit, digits)
+        rows.append([f'`{name}`', value, interval_text(
+            si_scale(interval.unit), interval.low, interval.high, digits, interval.open_above)])
     return table([effect_label(effect.name), 'value', '95 % interval'], rows)
-
-
-def _range(knob: Knob, interval: Interval, digits: int) -> str:
-    if knob.inverse and interval.high >= knob.high:
-        # what vanishes as it grows ends where it is none
-        return f'from {si_text(interval.low, interval.unit, digits)} up'
-    return f'{number(interval.low, digits)} to {si_text(interval.high, interval.unit, digits)}'
 
 
 def suspect_table(diagnosis: Diagnosis) -> str:

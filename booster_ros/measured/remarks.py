@@ -19,9 +19,6 @@ from ..report.names import effect_label, listing
 from .records import CHAMBERS, FLOW_BENCH, FLOW_BENCH_WITHOUT_100, SIGNATURE, MeasuredRecord
 from .supplies import MODELS, SPLITS, Prediction, left_out
 
-EDGE = 0.02
-"""Share of an interval that counts as its end."""
-
 NOTHING = 1e-4
 """Share of an effect's typical size that counts as none."""
 
@@ -68,25 +65,16 @@ def _on_ends(diagnosis: Diagnosis) -> list[str]:
 
 
 def _on_sizes(diagnosis: Diagnosis) -> list[str]:
-    """Return which sizes of the effects the record does not tell from none, or hardly."""
-    silent, leaning = [], []
+    """Return which sizes of the effects the record does not tell from none."""
+    silent = []
     for effect in diagnosis.effects:
         for parameter, interval in effect.parameters.items():
             knob = knob_of(effect.name, parameter, diagnosis.declared)
             if knob.shape:
                 continue
-            if interval.low <= knob.neutral <= interval.high:
+            if interval.holds_none(knob):
                 silent.append(f'`{parameter}`')
-                continue
-            place = (interval.value - interval.low) / max(interval.high - interval.low, 1e-30)
-            if not EDGE < place < 1.0 - EDGE:
-                leaning.append(f'`{parameter}`')
-    sentences = [f'The record does not tell {listing(silent)} from none.'] if silent else []
-    if leaning:
-        sentences.append(
-            f'{listing(leaning)}: the value stands at an end of its own interval, so resampled '
-            'rows lead to another valley than all rows did; believe the interval.')
-    return sentences
+    return [f'The record does not tell {listing(silent)} from none.'] if silent else []
 
 
 def knob_of(effect: str, parameter: str, declared: PositionerParameters) -> Knob:

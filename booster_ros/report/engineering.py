@@ -63,10 +63,23 @@ def digits_apart(low: float, high: float) -> int:
     return digits
 
 
+def interval_text(scale: Scale, low: float, high: float, digits: int, open_above: bool = False
+                  ) -> str:
+    """Return an interval as people read it; its ends are in SI, open above it has one alone."""
+    if open_above:
+        return f'from {scale.text(low, digits)} up'
+    return f'{number(low * scale.factor, digits)} to {scale.text(high, digits)}'
+
+
 def si_text(value: float, unit: str, digits: int = 3) -> str:
     """Return a value with its SI unit, typeset."""
-    symbol = '' if unit == '-' else unit.replace('^2', '²').replace('^3', '³').replace(' s', '·s')
-    return f'{number(value, digits)} {symbol}'.rstrip()
+    return f'{number(value, digits)} {si_scale(unit).unit}'.rstrip()
+
+
+def si_scale(unit: str) -> Scale:
+    """Return the scale of an SI unit as it is, typeset."""
+    return Scale('' if unit == '-' else unit.replace('^2', '²').replace('^3', '³').replace(
+        ' s', '·s'), 1.0)
 
 
 def number(value: float, digits: int = 3) -> str:

@@ -58,7 +58,8 @@ def _effect(effect: FoundEffect, unknown: UnknownTerm | None) -> dict[str, Any]:
         'name': effect.name,
         'location': effect.location,
         'parameters': {
-            name: {'value': i.value, 'low': i.low, 'high': i.high, 'unit': i.unit}
+            name: {'value': i.value, 'low': i.low, 'high': i.high, 'unit': i.unit,
+                   'open_above': i.open_above}
             for name, i in effect.parameters.items()},
         'confused_with': list(effect.confused_with),
         'separating_experiment': experiment,

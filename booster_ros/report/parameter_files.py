@@ -7,6 +7,7 @@ from pathlib import Path
 import textwrap
 from typing import Any
 
+from booster_ros.diagnosis.fitting.intervals import Interval
 from booster_ros.diagnosis.result import Diagnosis
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.parameters.file import write_parameter_file
@@ -52,9 +53,15 @@ def _fitted(diagnosis: Diagnosis, stage: str) -> dict[str, str]:
 def _added(diagnosis: Diagnosis) -> dict[str, str]:
     """Return a comment for each parameter that was added."""
     comments = {
-        name: f'ADDED: {effect.name}, 95 % between {number(i.low)} and {number(i.high)}'
+        name: f'ADDED: {effect.name}, {_in_words(i)}'
         for effect in diagnosis.effects for name, i in effect.parameters.items()}
     if diagnosis.unknown is not None:
         comments |= {f'discrepancy.{field}': 'ADDED: no named effect explains this'
                      for field in Discrepancy._fields}
     return comments
+
+
+def _in_words(interval: Interval) -> str:
+    if interval.open_above:
+        return f'95 % from {number(interval.low)} up, or none, which is 0'
+    return f'95 % between {number(interval.low)} and {number(interval.high)}'

@@ -10,7 +10,7 @@ from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Refitted, Suspect)
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.report.engineering import (
-    Scale, digits_apart, number, scale_of, si_text, side_by_side)
+    Scale, digits_apart, interval_text, number, scale_of, si_scale, si_text, side_by_side)
 from booster_ros.report.markup import cell, number_cell, row, table
 from booster_ros.report.errors import error_scale
 from booster_ros.report.names import channel_label, effect_label
@@ -47,15 +47,16 @@ def effect_table(effect: FoundEffect) -> str:
     """Return the parameters of an effect with their intervals."""
     rows = []
     for name, interval in effect.parameters.items():
-        scale = side_by_side(interval.unit, (interval.value, interval.low, interval.high))
-        digits = digits_apart(interval.low, interval.high)
-        low, low_si = number(interval.low * scale.factor, digits), number(interval.low, digits)
-        high = scale.text(interval.high, digits)
-        high_si = si_text(interval.high, interval.unit, digits)
+        ends = interval.low, interval.high
+        scale = side_by_side(interval.unit, (interval.value, *ends))
+        digits = digits_apart(*ends)
+        text, physics = (interval_text(each, *ends, digits, interval.open_above)
+                         for each in (scale, si_scale(interval.unit)))
         rows.append(row([
             _parameter_cell(name),
-            _both_units(scale, interval.value, interval.unit, digits),
-            number_cell(f'{low} to {high}', '' if high == high_si else f'{low_si} to {high_si}'),
+            number_cell('none') if interval.is_none else _both_units(
+                scale, interval.value, interval.unit, digits),
+            number_cell(text, '' if text == physics else physics),
         ]))
     return table(['parameter', 'value', '95 % interval'], rows)
 
@@ -134,5 +135,5 @@ def _interval_cell(one: Refitted, scale: Scale) -> str:
         return number_cell('–', 'at its limit' if one.at_limit else '')
     digits = max(4, digits_apart(one.low, one.high))
     return number_cell(
-        f'{number(one.low * scale.factor, digits)} to {scale.text(one.high, digits)}',
+        interval_text(scale, one.low, one.high, digits),
         'hardly told by this record' if one.hardly_told else '')

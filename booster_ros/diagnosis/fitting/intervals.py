@@ -2,15 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """How sure a fitted parameter is, when residuals are coloured."""
 
+from dataclasses import dataclass
+
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import Free
-from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.catalogue import EFFECTS, Knob
+from booster_ros.model.parameters import DESCRIPTIONS
 
 Array = np.ndarray
 
 DRAWS = 400
+LEVEL = 0.95
 
 SAME_TRACE = 0.01
 """Largest share of the square of a size's trace that shapes leave of it if they do the same as
@@ -39,6 +44,32 @@ HALVINGS = 12
 
 AT_BOUND = 1e-2
 """Distance of a size from its bound, relative to its range, below which it has run into it."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """
+    A value with its 95 % interval.
+
+    With `open_above` anything from `low` up may be true, and none as well: a stiffness of none, or
+    a restriction of none, is 0, and stands beyond all that is large. `high` is then the largest
+    that is looked for.
+    """
+
+    value: float
+    low: float
+    high: float
+    unit: str
+    open_above: bool = False
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the value itself is none, as that of a stiffness may be."""
+        return self.open_above and self.value < self.low
+
+    def holds_none(self, knob: Knob) -> bool:
+        """Tell whether what this knob turns may as well be none."""
+        return self.open_above or self.low <= knob.neutral <= self.high
 
 
 def block_bootstrap(problem: Problem, fit: Fit, of_row: Array) -> Array:
@@ -112,7 +143,28 @@ def _draws(problem: Problem, fit: Fit, residual: Array, jacobian: Array, label: 
         if shapes:
             draws[d, rest] = fit.z[rest] - np.linalg.solve(
                 hessian[np.ix_(rest, rest)], gradient[rest])
-    return draws
+    gradient = gradients.sum(axis=0) + prior.T @ residual[data:] + pull
+    hessian = hessians.sum(axis=0) + prior_hessian + ridge
+    room = np.array(problem.bounds()) - fit.z
+    held = _held_back(hessian, gradient, room)
+    if shapes:
+        held[rest] = _held_back(hessian[np.ix_(rest, rest)], gradient[rest], room[:, rest])
+    return draws + held
+
+
+def _held_back(hessian: Array, gradient: Array, room: Array) -> Array:
+    """
+    Return by how much bounds hold back a Gauss-Newton step; `room` are its least and most.
+
+    A size at its bound would go on beyond it, and all else with it. Draws around where it would
+    go say that it is none with certainty; around where it has to stay, how much it may be.
+    """
+    root = np.linalg.cholesky(hessian)
+    aim = -np.linalg.solve(root, gradient)
+    free = np.linalg.solve(root.T, aim)
+    if np.all((room[0] <= free) & (free <= room[1])):
+        return np.zeros(len(free))
+    return np.asarray(lsq_linear(root.T, aim, (room[0], room[1])).x - free)
 
 
 def _labels(problem: Problem, of_row: Array) -> Array:
@@ -145,17 +197,22 @@ def _cut(of_row: Array, parts: int) -> Array:
 
 
 def interval_of(problem: Problem, draws: Array, fit: Fit, index: int,
-                tried: tuple[float, float] | None = None) -> tuple[float, float, float]:
+                tried: tuple[float, float] | None = None) -> Interval:
     """
-    Return (value, low, high) of a parameter: its value and 95 % interval, within bounds.
+    Return the value and 95 % interval of a parameter, within its bounds.
+
+    The interval is as long to either side, in z, as 95 % of the draws are off the fit. Of a few
+    segments, some tell a parameter far better than others, and draws are skewed: their own 2.5 and
+    97.5 % quantiles are off to the wrong side then, and hold the truth less often (Hall, 1992, The
+    Bootstrap and Edgeworth Expansion, section 3.5). A fit that stopped early has draws around a
+    step away from it: the interval holds both.
 
     `tried` are the ends (in z) of the good trials, where there were trials: these were drawn ever
     closer to the best, so that a share of them is no measure.
 
     The interval of a variable that shows nowhere where it stands, such as the lift of a seat that
     is never reached, goes to where the rows would notice it (profile likelihood, all else as it
-    is). That of a stiffness or restriction that may as well be none ends at its upper bound, not
-    at the zero that stands for "none" there.
+    is). That of a stiffness or restriction that may as well be none is open above.
     """
     free = problem.freedoms[index]
     if tried is not None:
@@ -163,14 +220,16 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int,
     elif np.linalg.norm(fit.jacobian[:, index]) < SILENT:
         low, high = _unnoticed(problem, fit, index)
     else:
-        low, high = np.quantile(draws[:, index], [0.025, 0.975])
-    # where the fit stopped early the draws centre on a step away from it: the interval holds both
-    value = free.value(fit.z[index])
+        off = np.quantile(np.abs(draws[:, index] - fit.z[index]), LEVEL)
+        low, high = fit.z[index] - off, fit.z[index] + off
+    # trials need not hold a fit that is better than all of them
     ends = [free.value(float(np.clip(z, free.low, free.high)))
             for z in (min(low, fit.z[index]), max(high, fit.z[index]))]
-    if free.knob.inverse and value != free.knob.neutral:
-        ends = [end if end != free.knob.neutral else free.knob.high for end in ends]
-    return value, min(ends), max(ends)
+    open_above = free.knob.inverse > 0 and free.knob.neutral in ends
+    if open_above:
+        ends = [free.knob.high if end == free.knob.neutral else end for end in ends]
+    return Interval(free.value(fit.z[index]), min(ends), max(ends),
+                    DESCRIPTIONS[free.knob.parameter].unit, open_above)
 
 
 def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
@@ -241,7 +300,7 @@ def _holds_zero(draws: Array, best: Array) -> bool:
     def distance(x: Array) -> Array:
         return np.einsum('...i,ij,...j->...', x, shape, x)
 
-    widest = np.quantile(distance(draws - mean), 0.95)
+    widest = np.quantile(distance(draws - mean), LEVEL)
     return bool(min(distance(mean), distance(best)) <= widest)
 
 
