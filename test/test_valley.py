@@ -11,9 +11,10 @@ import pytest
 
 from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom
-from booster_ros.diagnosis.fitting.intervals import block_bootstrap, undetermined
+from booster_ros.diagnosis.fitting.intervals import (
+    Interval, block_bootstrap, interval_of, undetermined)
 from booster_ros.diagnosis.fitting.valley import at_the_bottom, slopes_along_axes
-from booster_ros.diagnosis.result import FoundEffect, Interval, either
+from booster_ros.diagnosis.result import FoundEffect, either
 from booster_ros.diagnosis.searching.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.html_report import html_page
@@ -94,6 +95,36 @@ def test_the_fit_goes_on_to_the_bottom_of_the_valley(fitted):
     assert abs(found.z[places(problem)[0]]) < 0.3
     assert found.parameters == problem.parameters(found.z)
     assert at_the_bottom(problem, found).cost <= found.cost
+
+
+@pytest.fixture(scope='module')
+def one_at_its_bound(fitted):
+    """Return problem and fit of a dead band of the intake alone: the exhaust's stands at none."""
+    experiment = seen(P._replace(booster=P.booster._replace(intake_preload=0.06)))
+    problem = replace(fitted[0], experiment=experiment)
+    z = problem.start()
+    z[places(problem)[1]] = problem.freedoms[places(problem)[1]].variable(0.06)
+    return problem, problem.at(z)
+
+
+def test_beside_a_bound_slopes_are_those_of_the_valley_too(one_at_its_bound):
+    problem, fit = one_at_its_bound
+    step, rows = along_the_valley(problem), problem.rows_counted()
+    here, moved = (problem.residuals(z)[:rows] for z in (fit.z, fit.z - 0.3 * step))
+    truth = np.linalg.norm(moved - here) / 0.3  # the exhaust's preload can but rise
+    assert np.linalg.norm(fit.jacobian[:rows] @ step) > 5.0 * truth
+    assert np.linalg.norm(slopes_along_axes(problem, fit)[:rows] @ step) < truth + 1.0
+
+
+def test_beside_a_bound_an_interval_holds_what_the_rows_hardly_notice(one_at_its_bound):
+    problem, fit = one_at_its_bound
+    fit = at_the_bottom(problem, fit)
+    draws = block_bootstrap(problem, fit, (TIME // 2.5).astype(int))
+    assert problem.cost(fit.z - along_the_valley(problem)) < fit.cost + 3.84
+    for j in places(problem):
+        moved = problem.freedoms[j].value(fit.z[j] - along_the_valley(problem)[j])
+        found = interval_of(problem, draws, fit, j)
+        assert found.low < moved < found.high
 
 
 @pytest.mark.parametrize(('lowest', 'said'), [(0.0, True), (0.01, False)])

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from booster_ros.diagnosis.fitting.fit import LARGEST_DIFFERENCE, Fit, Problem
+from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 
 Array = np.ndarray
@@ -29,32 +29,44 @@ def slopes_along_axes(problem: Problem, fit: Fit) -> Array:
     Columns of one-sided differences bend by a percent over their steps. Where variables do nearly
     the same, that percent is more than what differs between them, and what the rows cannot tell
     looks as if they told it well. Along an axis the step is as long as is needed to see that axis.
-    A variable with a bound within reach keeps the column that it has.
+
+    A size that is none stands at its bound. Where a bound is in the way on one side of an axis,
+    the difference is formed on the other, of second order. Where bounds are in the way on both,
+    variables that would go over theirs are left out of the step, and their own columns count.
 
     The axes of a Jacobian that is a percent off are off as well. So it is done again with what came
     of it, ROUNDS times in all.
     """
+    here = problem.residuals(fit.z)
     slopes = fit.jacobian
     for _ in range(ROUNDS):
-        slopes = _along_axes(problem, replace(fit, jacobian=slopes))
+        slopes = _along_axes(problem, fit.z, here, slopes)
     return slopes
 
 
-def _along_axes(problem: Problem, fit: Fit) -> Array:
+def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
     low, high = problem.bounds()
-    roomy = (fit.z - LARGEST_DIFFERENCE > low) & (fit.z + LARGEST_DIFFERENCE < high)
-    inner = np.flatnonzero(roomy & fit.jacobian.any(axis=0))
-    _, lengths, axes = np.linalg.svd(fit.jacobian[:, inner], full_matrices=False)
-    steps = problem.steps_for(fit.z, lengths)
+    moving = np.flatnonzero(columns.any(axis=0))
+    _, lengths, axes = np.linalg.svd(columns[:, moving], full_matrices=False)
+    steps = problem.steps_for(z, lengths)
 
     def along(k: int) -> Array:
-        step = np.zeros(len(fit.z))
-        step[inner] = steps[k] * axes[k]
-        ahead, behind = problem.residuals(fit.z + step), problem.residuals(fit.z - step)
-        return (ahead - behind) / (2.0 * steps[k])
+        step = np.zeros(len(z))
+        step[moving] = steps[k] * axes[k]
+        over = (z - np.abs(step) < low) | (z + np.abs(step) > high)
+        if over.any():
+            for inwards in (step, -step):
+                furthest = z + 2.0 * inwards
+                if np.all((low <= furthest) & (furthest <= high)):
+                    ahead, further = problem.residuals(z + inwards), problem.residuals(furthest)
+                    side = 1.0 if inwards is step else -1.0
+                    return side * (4.0 * ahead - further - 3.0 * here) / (2.0 * steps[k])
+        free = np.where(over, 0.0, step)
+        change = problem.residuals(z + free) - problem.residuals(z - free)
+        return (0.5 * change + columns @ (step - free)) / steps[k]
 
-    slopes = fit.jacobian.copy()
-    slopes[:, inner] = np.transpose(side_by_side(along, range(len(axes)))) @ axes
+    slopes = columns.copy()
+    slopes[:, moving] = np.transpose(side_by_side(along, range(len(axes)))) @ axes
     return slopes
 
 
