@@ -60,6 +60,21 @@ def test_slow_noise_that_is_rounded_is_nearly_as_loud_as_it_is():
     assert np.mean(found) == pytest.approx(150.0, rel=0.1)
 
 
+@pytest.mark.parametrize('step', [0.0, 0.5])
+@pytest.mark.parametrize(('correlation', 'pieces'), [(0.8, 12), (0.9, 21), (0.95, 21)])
+def test_short_pieces_of_slow_noise_tell_its_level_to_within_a_half(correlation, pieces, step):
+    """Most likely is at times a noise that hardly fades at all, four times as loud as it is."""
+    rests = [slice(50 * k, 50 * k + 50) for k in range(0, 2 * pieces, 2)]
+    found = []
+    for seed in range(40):
+        shown = Noise(1.0, correlation).added_to(
+            np.zeros(100 * pieces), np.random.default_rng(seed))
+        found.append(noise_of(shown if not step else step * np.round(shown / step), rests).level)
+    assert 0.75 < np.median(found) < 1.15
+    assert np.quantile(found, 0.05) > 0.5
+    assert np.quantile(found, 0.95) < 1.6
+
+
 def test_noise_of_a_quantised_white_record_is_found_again_in_what_is_simulated_with_it():
     rng = np.random.default_rng(4)
     step = 1e-3

@@ -17,12 +17,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import toeplitz
 from scipy.ndimage import uniform_filter1d
-from scipy.optimize import brentq
 from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
+from booster_ros.diagnosis.experiment.autoregression import coefficient_and_level, left_by
 from booster_ros.diagnosis.experiment.noise import (
     noise_level, off_its_ends, resolution, white_noise)
 
@@ -46,12 +45,13 @@ noise, for means over a piece (means of coloured noise vary as much), but at lea
 STILL_SHARE of the drive's range over the record."""
 
 DISTURBED = 2.0
-"""Variance of a piece, relative to the median piece, above which the valve has moved in it."""
+"""Variance of a piece, and of what is new in each of its rows, relative to the median piece, above
+which the valve has moved in it."""
 
 USUAL, ROUNDS = 0.995, 4
 """Quantile of the variance of pieces of noise of the colour found, which counts instead of
-DISTURBED if it is more; and number of rounds in which the colour is found, as it hangs on which
-pieces count."""
+DISTURBED if it is more: slow noise varies from piece to piece, what is new in its rows does not.
+And most rounds in which the colour is found, as it hangs on which pieces count."""
 
 CHANCE = 3.0
 SMALL = 0.1
@@ -107,61 +107,63 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
         return white
     rows = len(pieces[0])
     curves = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, rows), 4))[0]
-    left = np.array(pieces)
-    left = left - (left @ curves) @ curves.T
-    every, variance = left, np.mean(left**2, axis=1)
-    removed = np.eye(rows) - curves @ curves.T
-
-    def expected(coefficient: float) -> Array:
-        """Return the covariances by lag that cubics leave of noise of variance 1."""
-        covariance = removed @ toeplitz(coefficient ** np.arange(rows)) @ removed
-        return np.array([np.trace(covariance, lag) for lag in range(LAGS)]) / rows
-
-    most, coefficient, rounded = DISTURBED, 0.0, white.resolution**2 / 12.0
+    every = np.array(pieces)
+    every = every - (every @ curves) @ curves.T
+    variance, rounded = np.mean(every**2, axis=1), white.resolution**2 / 12.0
+    counts = variance <= DISTURBED * np.median(variance)
     for _ in range(ROUNDS):
-        left = every[variance <= most * np.median(variance)]
+        left = every[counts]
         seen = float(np.mean(left**2)) - rounded * (1.0 - curves.shape[1] / rows)
         if seen <= 0.0:
             return white
-        shares = np.array([np.sum(left[:, lag:] * left[:, :rows - lag]) for lag in range(LAGS)])
-        shares /= seen * left.size  # rounding is white: it counts at lag 0 only
-        shares[0] = 1.0
-
-        def too_much(coefficient: float, carried: float = float(shares[1])) -> float:
-            variance, next_to_it = expected(coefficient)[:2]
-            return float(next_to_it / variance - carried)
-
-        low, high = _RANGE
-        if too_much(low) >= 0.0 or too_much(high) <= 0.0:
-            coefficient = low if too_much(low) >= 0.0 else high
-        else:
-            coefficient = float(brentq(too_much, low, high, xtol=1e-4))
+        coefficient, level = coefficient_and_level(left, curves, rounded, _RANGE)
         # pieces of slow noise differ by much more than those of white noise
-        by_chance = _variances(coefficient, removed)
+        drawn = _drawn(coefficient, curves)
+        by_chance = np.mean(drawn**2, axis=1)
         most = max(DISTURBED, float(np.quantile(by_chance, USUAL) / np.median(by_chance)))
-    like_it = expected(coefficient)
-    fades = np.max(np.abs(like_it / like_it[0] - shares)) < FADING
-    new = left[:, 1:] - coefficient * left[:, :-1]
-    slips = kurtosis(new, axis=None) > HEAVY_TAILED
+        new = every[:, 1:] - coefficient * every[:, :-1]
+        of_new = np.mean(new**2, axis=1)
+        before, counts = counts, (variance <= most * np.median(variance)) & (
+            of_new <= DISTURBED * np.median(of_new))
+        if np.array_equal(before, counts):
+            break
+    slips = kurtosis(new[before], axis=None) > HEAVY_TAILED
     small = abs(coefficient) < max(SMALL, CHANCE / np.sqrt(left.size))
-    if small or slips or not fades or _hunts(variance, coefficient, removed):
+    carried = _carried(left, seen)
+    expected = left_by(coefficient, curves, LAGS)
+    fades = _fades(carried, expected[1:] / expected[0], drawn, len(left))
+    if small or slips or not fades or _hunts(variance, by_chance):
         return white
-    return Noise(float(np.sqrt(seen / like_it[0] + rounded)), coefficient, white.resolution)
+    return Noise(float(np.hypot(level, np.sqrt(rounded))), coefficient, white.resolution)
 
 
-def _hunts(variance: Array, coefficient: float, removed: Array) -> bool:
-    """Tell whether the variances of pieces differ more than those of noise of this colour do."""
-    by_chance = _variances(coefficient, removed)
+def _fades(carried: Array, expected: Array, drawn: Array, pieces: int) -> bool:
+    """Tell whether noise fades over further rows as is expected, as nearly as drawn pieces do."""
+    sets = [drawn[first:first + pieces] for first in range(0, len(drawn) - pieces + 1, pieces)]
+    by_chance = [np.max(np.abs(_carried(each, float(np.mean(each**2))) - expected))
+                 for each in sets]
+    return bool(np.max(np.abs(carried - expected)) < max([FADING, *by_chance]))
+
+
+def _carried(left: Array, variance: float) -> Array:
+    """Return the shares of the variance that carry over to further rows, shape (LAGS - 1,)."""
+    rows = left.shape[1]
+    return np.array([np.sum(left[:, lag:] * left[:, :rows - lag])
+                     for lag in range(1, LAGS)]) / (variance * left.size)
+
+
+def _hunts(variance: Array, by_chance: Array) -> bool:
+    """Tell whether the variances of pieces differ more than those that are drawn."""
     quiet, usual = (np.quantile(each, QUIETEST) / np.median(each) for each in (variance, by_chance))
     return bool(quiet < UNEQUAL * usual)
 
 
-def _variances(coefficient: float, removed: Array) -> Array:
-    """Return the variances of drawn pieces of noise of this colour, less a cubic each."""
-    rows = len(removed)
-    drawn = lfilter([1.0], [1.0, -coefficient],
-                    np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
-    return np.asarray(np.mean((drawn @ removed)**2, axis=1))
+def _drawn(coefficient: float, curves: Array) -> Array:
+    """Return drawn pieces of noise of variance 1 and this colour, less their curves."""
+    rows = len(curves)
+    drawn = lfilter([1.0], [1.0, -coefficient], np.sqrt(1.0 - coefficient**2)
+                    * np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
+    return np.asarray(drawn - (drawn @ curves) @ curves.T)
 
 
 def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
