@@ -33,6 +33,8 @@ def test_a_sweep_in_absolute_pressure_is_refused():
     ('valve_position', lambda x: 0.1 * x + 0.09, 'declared travel is 0.016 m'),
     ('valve_position', lambda x: -x, 'reverse its sign'),
     ('control_current', lambda i: 0.004 + 16.0 * i, 'the supply has 4e+05'),
+    ('control_current', lambda i: 8.2e-4 - i, 'less the current'),
+    ('control_current', lambda i: np.max(i) - i, 'less the current'),
     ('time', lambda t: 1e3 * t, 'if they are 100 milliseconds apart'),
     ('time', lambda t: t / 3600.0, 'hours apart'),
 ])
@@ -207,4 +209,16 @@ def test_a_pressure_that_hardly_moves_for_a_leak_is_in_no_other_unit():
     columns = step_test()
     run = simulate(leaking, columns['time'], columns['control_current'], {'chamber_pressure': 20e3})
     columns['chamber_pressure'] = run['chamber_pressure']
+    assert prepare(record_of(**columns), DECLARED).channels
+
+
+def test_a_current_that_falls_while_the_valve_fills_for_another_reason_is_not_reversed():
+    """The supply comes back while the current goes down: pressure rises all the same."""
+    time = TIME['time']
+    rising = {'supply_pressure': np.interp(time, [0.0, time[-1]], [100e3, 400e3])}
+    current = np.interp(time, [0.0, time[-1]], [4.6e-4, 4.4e-4])
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 90e3}, rising)
+    columns = {'time': time, 'control_current': current, **rising,
+               **{name: run[name] for name in ('chamber_pressure', 'valve_position')}}
+    assert np.corrcoef(current, columns['chamber_pressure'])[0, 1] < -0.9
     assert prepare(record_of(**columns), DECLARED).channels

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a cleaned record to an experiment."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter1d
 
 from booster_ros.diagnosis.experiment.experiment import DriveNoise, Experiment
 from booster_ros.diagnosis.experiment.noise import white_noise
-from booster_ros.diagnosis.experiment.noise_colour import noise_of, rests_of
+from booster_ros.diagnosis.experiment.noise_colour import FEWEST_PIECES, noise_of, rests_of
 from booster_ros.diagnosis.experiment.roles import Roles, roles
 from booster_ros.diagnosis.preparing.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.preparing.late_commands import (
@@ -18,6 +18,7 @@ from booster_ros.diagnosis.preparing.late_commands import (
 from booster_ros.diagnosis.preparing.plausibility import (
     check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales,
     stands_still, without_stuck)
+from booster_ros.diagnosis.preparing.reversed_current import check_current
 from booster_ros.diagnosis.preparing.sampled_commands import with_sampled_commands
 from booster_ros.diagnosis.preparing.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
@@ -94,7 +95,8 @@ def prepare(
             name: _drive_noise(name, values, rests) for name, values in sampled.items()},
         quasi_static=quasi_static,
         begins=begins,
-        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)),
+        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static),
+               *_rest_notes(rests, quasi_static)),
     )
     if not quasi_static:
         usable &= caught_up(experiment, declared, gaps)
@@ -108,6 +110,7 @@ def prepare(
     if not quasi_static:
         check_clock(experiment, declared, record.source)
     check_pressures(experiment, declared, record.source)
+    check_current(experiment, declared, record.source)
     check_direction(experiment, declared, record.source)
     experiment = without_stuck(experiment, declared, record.source)
     experiment = replace(experiment, notes=(
@@ -249,6 +252,14 @@ def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:
     if not quasi_static:
         return ()
     return (f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row',)
+
+
+def _rest_notes(rests: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
+    if quasi_static or len(rests) >= FEWEST_PIECES:
+        return ()
+    return ('what drives the valve hardly rests: noise is taken as white, as its colour shows in '
+            'rests alone; where a sensor is damped there is more of it, up to several times, and '
+            'what seems to be missed may be noise',)
 
 
 def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:

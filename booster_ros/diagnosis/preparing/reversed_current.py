@@ -1,0 +1,49 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A current that falls where the valve fills: of a reverse-acting converter, or of swapped wires.
+
+The declared converter is direct-acting, whatever its parameters. Fitted all the same, such a record
+comes out as one in which nearly all is missing.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.stats import spearmanr
+
+from booster_ros.diagnosis.experiment.experiment import Experiment, rmse
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import RecordError
+
+MOSTLY = 0.3
+"""Share of the declared model's error that is left with the current reversed, below which it is."""
+
+PRESSURES = ('back_pressure', 'chamber_pressure')
+
+
+def check_current(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where the declared model moves as measured if the current is reversed."""
+    name = next((name for name in PRESSURES if name in experiment.measured), '')
+    if not name or experiment.quasi_static:
+        return
+    measured = experiment.measured[name]
+    rows = np.isfinite(measured)
+    both = experiment.current[rows], measured[rows]
+    if any(len(np.unique(each)) < 2 for each in both) or spearmanr(*both).statistic >= 0.0:
+        return
+
+    def left(total: float) -> float:
+        turned = replace(experiment, current=total - experiment.current)
+        return rmse(measured, turned.predict(declared)[name], rows)
+
+    most = float(np.max(experiment.current))
+    full = declared.supply.pressure / declared.ep_converter.gain
+    found = minimize_scalar(left, bounds=(most, most + 2.0 * full), method='bounded')
+    if found.fun < MOSTLY * rmse(measured, experiment.predict(declared)[name], rows):
+        raise RecordError(
+            f'{source}, column control_current: falls where {name} rises, and the declared model '
+            f'moves as measured with {found.x:.4g} A less the current: the converter is '
+            'reverse-acting, or the wires are swapped; convert the column to the current of a '
+            'direct-acting one')
