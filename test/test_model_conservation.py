@@ -6,7 +6,11 @@ import numpy as np
 from positioner_runs import current_for, positioner, rows
 import pytest
 
-from booster_ros.model.simulation import Simulation, simulate
+from booster_ros.model.memory import MEMORIES
+from booster_ros.model.outputs import observe
+from booster_ros.model.simulation import Simulation, settled_state, simulate
+from booster_ros.model.state import CHAMBER, OUTLET, STATES
+from booster_ros.model.system import derivatives, seat_flows
 
 R = 287.0
 ATMOSPHERE = 101_325.0
@@ -126,6 +130,26 @@ def test_air_that_flows_through_takes_its_heat_along():
     assert run['valve_position'].max() < 1e-6
     assert carried_out[-1] > 1.0  # J
     assert np.abs(energy - energy[0] - gained).max() < 0.02 * carried_out[-1]
+
+
+@pytest.mark.parametrize(('effect', 'place', 'volume'), [
+    ({}, CHAMBER, DEAD_VOLUME), (EFFECTS['tubing'], OUTLET, OUTLET_VOLUME)],
+    ids=['chamber', 'outlet'])
+@pytest.mark.parametrize('current', [0.5e-3, 0.0], ids=['fills', 'vents'])
+def test_the_flows_of_the_seats_that_are_seen_are_those_that_fill(effect, place, volume, current):
+    """A stem at rest on its seat, and as much pressure before the tube as behind it."""
+    leaks = {'booster.supply_leak_area': 1e-8, 'booster.exhaust_leak_area': 2e-8}
+    p = positioner({**leaks, **effect})
+    y = settled_state(p, current, 90e3, 0.0)
+    seen = observe(p, 0.0, current, current, y, [0.0] * MEMORIES)
+    opened_in, opened_out, into, out = seat_flows(p, seen.booster_force, y, AMBIENT)
+    assert min(into, out) > 0.0
+    assert (opened_in > 0.0, opened_out > 0.0) == (current > 0.0, current == 0.0)
+    assert (seen.intake_area, seen.exhaust_area) == (opened_in, opened_out)
+    assert seen.mass_flow == into - out
+    rates = [0.0] * STATES
+    derivatives(p, 0.0, current, 0.0, y, rates)
+    assert rates[place] == pytest.approx(R * AMBIENT * (into - out) / volume)
 
 
 def test_closed_booster_keeps_its_mass():

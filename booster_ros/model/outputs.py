@@ -5,11 +5,11 @@
 from typing import NamedTuple
 
 from . import discrepancy as term
-from .booster import exhaust_area, exhaust_flow, intake_area, intake_flow
 from .memory import LAGGED_POSITION, LAGGED_PRESSURE
 from .sensors import position_reading, pressure_reading
-from .state import BACK, CHAMBER, OUTLET, POSITION, SUPPLY, TEMPERATURE, VELOCITY
-from .system import PositionerParameters, booster_force, discrepancy_at
+from .state import BACK, CHAMBER, POSITION, SUPPLY, TEMPERATURE, VELOCITY
+from .system import (
+    PositionerParameters, booster_force, discrepancy_at, outlet_pressure, seat_flows)
 
 
 class Outputs(NamedTuple):
@@ -58,18 +58,10 @@ def observe(
 
     `current` is the commanded, `seen` the current that the E/P converter acts on, A.
     """
-    ambient = p.supply.temperature
-    chamber = y[CHAMBER]
-    restricted = p.tubing.restriction_area > 0.0
-    outlet = y[OUTLET] if restricted else chamber
-    outlet_temperature = ambient if restricted else y[TEMPERATURE]
     force = booster_force(p, time, seen, y)
-    opened_in = intake_area(p.booster, force, y[SUPPLY], outlet)
-    opened_out = exhaust_area(p.booster, force, outlet)
-    flow = intake_flow(
-        p.booster, opened_in, y[SUPPLY], outlet, ambient, outlet_temperature
-    ) - exhaust_flow(p.booster, opened_out, outlet, outlet_temperature, ambient)
+    opened_in, opened_out, into, out = seat_flows(p, force, y, y[TEMPERATURE])
     pressure, position = readings(p, time, seen, y, memory, force)
     return Outputs(
-        time, current, y[BACK], y[SUPPLY], force, opened_in, opened_out, flow, outlet, chamber,
-        y[TEMPERATURE], y[POSITION], y[VELOCITY], pressure, position)
+        time, current, y[BACK], y[SUPPLY], force, opened_in, opened_out, into - out,
+        outlet_pressure(p, y), y[CHAMBER], y[TEMPERATURE], y[POSITION], y[VELOCITY], pressure,
+        position)

@@ -129,10 +129,14 @@ def follow_play(p: PositionerParameters, y) -> None:
         y[PAST] = play(unit * y[PAST], undisturbed_force(p, y), 2.0 * table.reach) / unit
 
 
+def outlet_pressure(p: PositionerParameters, y) -> float:
+    """Return the gauge pressure at the booster's outlet, Pa: that of the chamber without a tube."""
+    return y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
+
+
 def undisturbed_force(p: PositionerParameters, y) -> float:
     """Return the force on the booster's stack of diaphragms, N, without a term."""
-    outlet = y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
-    return diaphragm_force(p.booster, y[BACK], outlet, y[SUPPLY])
+    return diaphragm_force(p.booster, y[BACK], outlet_pressure(p, y), y[SUPPLY])
 
 
 def booster_force(p: PositionerParameters, time: float, current: float, y) -> float:
@@ -141,6 +145,24 @@ def booster_force(p: PositionerParameters, time: float, current: float, y) -> fl
     if p.discrepancy.location == term.BOOSTER:
         force += discrepancy_at(p.discrepancy, time, current, y, force)
     return force
+
+
+def seat_flows(p: PositionerParameters, force: float, y, gas_temperature: float
+               ) -> tuple[float, float, float, float]:
+    """
+    Return what the booster's seats do while `force` (N) opens them.
+
+    The open areas of intake and exhaust, m², and the mass flows through them, kg/s: from the supply
+    to the outlet, and from there to the atmosphere. `gas_temperature` is that of the chamber, K.
+    """
+    ambient, outlet = p.supply.temperature, outlet_pressure(p, y)
+    # the small volume before a tube is isothermal
+    temperature = ambient if p.tubing.restriction_area > 0.0 else gas_temperature
+    opened_in = intake_area(p.booster, force, y[SUPPLY], outlet)
+    opened_out = exhaust_area(p.booster, force, outlet)
+    into = intake_flow(p.booster, opened_in, y[SUPPLY], outlet, ambient, temperature)
+    out = exhaust_flow(p.booster, opened_out, outlet, temperature, ambient)
+    return opened_in, opened_out, into, out
 
 
 def chamber_space(p: PositionerParameters, pressure: float, position: float
@@ -192,15 +214,8 @@ def derivatives(
     settled = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
     rates[BACK] = back_pressure_rate(p.ep_converter, y[BACK], settled)
 
-    restricted = p.tubing.restriction_area > 0.0
-    outlet = y[OUTLET] if restricted else chamber
-    outlet_temperature = ambient if restricted else gas_temperature
     force = booster_force(p, time, current, y)
-    into = intake_flow(
-        p.booster, intake_area(p.booster, force, y[SUPPLY], outlet), y[SUPPLY], outlet,
-        ambient, outlet_temperature)
-    out = exhaust_flow(
-        p.booster, exhaust_area(p.booster, force, outlet), outlet, outlet_temperature, ambient)
+    _, _, into, out = seat_flows(p, force, y, gas_temperature)
 
     rates[SUPPLY] = 0.0
     if p.supply.droop > 0.0:
@@ -209,8 +224,9 @@ def derivatives(
 
     rates[OUTLET] = 0.0
     delivered = into - out
+    restricted = p.tubing.restriction_area > 0.0
     if restricted:
-        delivered = tube_flow(p.tubing, outlet, chamber, ambient, gas_temperature)
+        delivered = tube_flow(p.tubing, y[OUTLET], chamber, ambient, gas_temperature)
         rates[OUTLET] = outlet_pressure_rate(p.tubing, into - out, delivered, ambient)
 
     extra = 0.0
