@@ -19,6 +19,7 @@ from positioner_runs import (
 )
 import pytest
 
+from booster_ros.model.actuator import leak_flow
 from booster_ros.model.simulation import Plant, Simulation, simulate
 from booster_ros.model.tubing import tube_flow
 
@@ -158,6 +159,16 @@ def test_chamber_leak_decays_on_and_on():
     assert rate == pytest.approx(expected, rel=0.03)
     assert run['chamber_pressure'][-1] < 0.55 * 145e3
     assert np.all(np.diff(run['chamber_pressure']) < 0.0)
+
+
+@pytest.mark.parametrize('ratio', [0.5, 0.7, 0.9])
+def test_a_leak_has_the_critical_ratio_of_an_ideal_nozzle_to_all_digits(ratio):
+    area, absolute, critical = 1e-8, ATMOSPHERE / ratio, (2.0 / 2.4)**3.5
+    choked = math.sqrt(1.4 / 287.0 * (2.0 / 2.4)**6) * area * absolute / math.sqrt(310.0)
+    beyond = max(ratio - critical, 0.0) / (1.0 - critical)
+    act = positioner({'actuator.leak_area': area}).actuator
+    flow = leak_flow(act, absolute - ATMOSPHERE, 310.0, 293.15, 0.0)
+    assert flow == pytest.approx(choked * math.sqrt(1.0 - beyond**2), rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,8 @@ from collections.abc import Callable
 import math
 from typing import Annotated, NamedTuple
 
-from .gas import ATMOSPHERE, GAS_CONSTANT, HEAT_RATIO, ISO_6358, orifice_flow
+from .gas import (
+    ATMOSPHERE, GAS_CONSTANT, HEAT_RATIO, ISENTROPIC_CRITICAL_RATIO, ISO_6358, orifice_flow)
 from .quantity import Quantity
 
 
@@ -97,7 +98,8 @@ def leak_flow(act: Actuator, pressure: float, temperature: float, ambient: float
               discrepancy: float) -> float:
     """Return the mass flow chamber → atmosphere past the booster, kg/s (pressure gauge, Pa)."""
     return discrepancy + orifice_flow(
-        act.leak_area, pressure + ATMOSPHERE, ATMOSPHERE, temperature, ambient, 0.5283, ISO_6358)
+        act.leak_area, pressure + ATMOSPHERE, ATMOSPHERE, temperature, ambient,
+        ISENTROPIC_CRITICAL_RATIO, ISO_6358)
 
 
 def isothermal_pressure_rate(
