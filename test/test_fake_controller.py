@@ -12,9 +12,11 @@ import time
 from types import SimpleNamespace
 
 import numpy as np
+from positioner_here import context_here
 import positioner_process
 from positioner_process import with_parameters
 import pytest
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros_client import RosClient
 from ros_process import HANGUP, RosProcess, program
@@ -24,9 +26,11 @@ from std_msgs.msg import Float64, String
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import Plant
 from booster_ros.nodes.current_limits import CurrentLimits
+from booster_ros.nodes.fake_controller import FakeController
 from booster_ros.nodes.progress import Progress
 from booster_ros.nodes.silence import Silence
 from booster_ros.records import Record, read_record
+from booster_ros.run_error import RunError
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -302,6 +306,18 @@ def test_what_it_cannot_do_it_says_in_a_sentence(parameters, says):
     complaints = [line for line in node.stderr if not line.startswith('[')]
     assert len(complaints) == 1
     assert says in complaints[0]
+
+
+def test_what_ends_a_run_is_no_bad_parameter():
+    with context_here('-r', '__ns:=/alone', '-p', 'wait_timeout:=0.1') as arguments:
+        node, executor = FakeController(arguments), SingleThreadedExecutor()
+        executor.add_node(node)
+        try:
+            with pytest.raises(RunError, match='nobody subscribes to /alone/control_current'):
+                executor.spin()
+        finally:
+            executor.shutdown()
+            node.destroy_node()
 
 
 @pytest.mark.parametrize(('line', 'says'), [

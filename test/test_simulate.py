@@ -13,8 +13,11 @@ import numpy as np
 from positioner_runs import PAPER_CURRENT, positioner, rows
 import pytest
 
+from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
 from booster_ros.programs import simulate as program
+from booster_ros.programs.interruption import kept_interruption
+from booster_ros.run_error import RunError
 
 ROOT = Path(__file__).resolve().parent.parent
 COLUMNS = [
@@ -212,6 +215,13 @@ def test_bad_parameters_are_one_sentence_and_status_2(tmp_path, params, capfd, t
     assert len(message) == 1
     assert complaint in message[0]
     assert 'params.yaml' in message[0]
+
+
+def test_a_model_without_solution_ends_a_run_and_is_no_bad_parameter(tmp_path):
+    source = write(tmp_path / 'in.csv', 'time,control_current\n0,0.0006\n1,0.0006\n')
+    p = from_values({'actuator.dead_volume': 1e-9})
+    with kept_interruption() as check, pytest.raises(RunError, match='no solution'):
+        program.run(p, source, tmp_path / 'out.csv', check)
 
 
 @pytest.mark.parametrize('portion', [1, 100])

@@ -36,6 +36,7 @@ from ..parameters.sections import files_on
 from ..records.record import RecordError
 from ..records.recording import Recording
 from ..records.target import check_inputs_stay
+from ..run_error import RunError
 from .current_limits import CurrentLimits
 from .declaration import check_files, declare_table, files_without_section
 from .feedback import Feedback
@@ -66,7 +67,11 @@ DELIVERY_TIMEOUT = Duration(seconds=3)
 
 
 class FakeController(Node):
-    """Plays a profile on the node's clock; ParameterError for bad parameters."""
+    """
+    Plays a profile on the node's clock.
+
+    ParameterError for bad parameters; RunError, out of a callback, where the run cannot go on.
+    """
 
     def __init__(self, arguments: Sequence[str]) -> None:
         """Check everything; `arguments` is the command line, for the parameter files on it."""
@@ -164,7 +169,7 @@ class FakeController(Node):
             return
         self._complete_since = None
         if 0.0 < self._settings.wait_timeout < now - self._waiting_since:
-            raise ParameterError(
+            raise RunError(
                 'no positioner to play to within wait_timeout '
                 f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}')
 
@@ -215,7 +220,7 @@ class FakeController(Node):
         """Complain of a current that is not followed; raise if it would falsify a record."""
         complaint = self._limits.complaint(self._current)
         if complaint and self._recording.paths:
-            raise ParameterError(f'{complaint}, so that it cannot be recorded')
+            raise RunError(f'{complaint}, so that it cannot be recorded')
         if complaint:
             self.get_logger().warning(complaint, once=True)
 
@@ -229,10 +234,10 @@ class FakeController(Node):
         gone, crowded = self._feedback.missing_topics(), self._feedback.crowded_topics()
         if gone:
             self._has_gone = True
-            raise ParameterError(
+            raise RunError(
                 f'nobody publishes {" and ".join(gone)} any more: the positioner has gone')
         if crowded:
-            raise ParameterError(
+            raise RunError(
                 f'several publish {" and ".join(crowded)} now: their samples cannot be told apart')
 
     def _on_output(self, column: str, value: float, stamp: int) -> None:
@@ -251,7 +256,7 @@ class FakeController(Node):
         try:
             self._recording.received(column, value, stamp)
         except RecordError as error:
-            raise ParameterError(f'recording: {error}') from None
+            raise RunError(f'recording: {error}') from None
 
     # The end
 
@@ -265,7 +270,7 @@ class FakeController(Node):
         if self._recording.paths:
             self.get_logger().info(self._recorded())
         if silence:
-            raise ParameterError(
+            raise RunError(
                 f'nothing has come from the positioner in the last {silence:.1f} s: what was '
                 'played then drove nothing')
         self._enter(DONE)
@@ -278,7 +283,7 @@ class FakeController(Node):
         try:
             end()
         except RecordError as error:
-            raise ParameterError(f'recording: {error}') from None
+            raise RunError(f'recording: {error}') from None
 
     def _recorded(self) -> str:
         if not self._recording.rows:

@@ -20,6 +20,7 @@ from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
 from ..model.parameters import ParameterError
+from ..run_error import RunError
 from .current_limits import LIMITS, CurrentLimits
 from .pace import Player
 from .tick_clock import NANOSECONDS
@@ -98,7 +99,7 @@ class Lockstep:
 
     def _check_progress(self) -> None:
         if self._answers == self._answers_seen:
-            raise ParameterError(f'lockstep: {self._positioner} does not answer')
+            raise RunError(f'lockstep: {self._positioner} does not answer')
         self._answers_seen = self._answers
 
     async def _play(self, player: Player) -> None:
@@ -125,7 +126,7 @@ class Lockstep:
             parameter_value_to_python(value) for value in response.values)
         self._limits.take(self._positioner, limits)
         if publish_rate is None or ticks is None:
-            raise ParameterError(
+            raise RunError(
                 f'lockstep: {self._positioner} has no parameters publish_rate and step_ticks')
         if abs(self._rate * ticks - publish_rate) > 1e-9 * publish_rate:
             raise ParameterError(
@@ -139,7 +140,7 @@ class Lockstep:
         response = await client.call_async(request)
         self._answers += 1
         if not response.success:
-            raise ParameterError(f'lockstep: {client.srv_name}: {response.message}')
+            raise RunError(f'lockstep: {client.srv_name}: {response.message}')
 
     async def _outputs(self, count: int) -> None:
         """Wait until `count` of each output have arrived."""

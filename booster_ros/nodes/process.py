@@ -19,6 +19,7 @@ from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
 from ..model.parameters import ParameterError
 from ..parameters.sections import files_on, read_sections
+from ..run_error import RunError
 
 DONE = 0
 BAD_INPUT = 2
@@ -35,9 +36,9 @@ def run(
     Spin the node that `make_node` returns until it is told to end; return the status.
 
     SIGINT, SIGTERM, SIGHUP and a shutdown tell it. Bad arguments and parameters (ParameterError of
-    `make_node`) end with one sentence on stderr and status 2. `name`, `description` and `example`
-    (arguments, and where to read on) are for `--help`, `arguments` is the command line without the
-    program's name.
+    `make_node`) and a run that cannot go on (RunError of a callback) end with one sentence on
+    stderr and status 2. `name`, `description` and `example` (arguments, and where to read on) are
+    for `--help`, `arguments` is the command line without the program's name.
     """
     startup = _Startup()
     for number in _END_SIGNALS:
@@ -64,7 +65,7 @@ def run(
         executor.spin()
     except ExternalShutdownException:
         pass
-    except ParameterError as error:
+    except (ParameterError, RunError) as error:
         return _complain(name, str(error))
     except Exception as error:
         if 'PARAMETER_NOT_SET' in str(error):

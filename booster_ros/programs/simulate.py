@@ -21,6 +21,7 @@ from ..records import (
     CsvWriter, RecordError, check_inputs_stay, csv_columns, csv_header_notes, first_row,
     iterate_csv)
 from ..records.holding import last_known
+from ..run_error import RunError
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
 from .path_argument import given_path
@@ -46,7 +47,7 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         with kept_interruption() as check:
             _simulate(options, check)
-    except (ParameterError, RecordError) as error:
+    except (ParameterError, RecordError, RunError) as error:
         print(f'simulate: {error}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
@@ -89,9 +90,9 @@ def run(
     """
     Simulate `source` into `target` in portions, so that memory stays flat however long it is.
 
-    RecordError where either cannot be read or written, ParameterError where the model has no
-    solution. `target` is then left as it was, as it is where `check` raises, which is called
-    between portions. Call this in `kept_interruption`.
+    RecordError where either cannot be read or written, RunError where the model has no solution.
+    `target` is then left as it was, as it is where `check` raises, which is called between
+    portions. Call this in `kept_interruption`.
     """
     with (
         # entered first, left last: what is half written is removed before a portion is waited for
@@ -124,8 +125,8 @@ def _write(
     seen = simulated.result() | {'time': time}
     lost = ~np.isfinite(seen['chamber_pressure'])
     if lost.any():
-        raise ParameterError('with these parameters the model has no solution from '
-                             f'{time[np.argmax(lost)]:.10g} s on')
+        raise RunError('with these parameters the model has no solution from '
+                       f'{time[np.argmax(lost)]:.10g} s on')
     writer.write_rows(np.column_stack([seen[name] for name in OUTPUT.values()]))
     bar.update(len(time))
 
