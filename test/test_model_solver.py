@@ -219,12 +219,45 @@ def test_plant_refuses_a_step_that_is_none(step):
         ([0.0, 1.0], [0.0], 'equally long'),
         ([], [], 'empty'),
         ([0.0, 1.0, 0.9], [0.0] * 3, 'time must not fall'),
-        ([0.0, math.nan, 2.0], [0.0] * 3, 'time must not fall'),
+        ([0.0, math.nan, 2.0], [0.0] * 3, r'time\[1\] must be finite, got nan'),
+        ([0.0, 1.0, math.inf], [0.0] * 3, r'time\[2\] must be finite, got inf'),
+        ([0.0, 1.0], [0.0, math.nan], r'control_current\[1\] must be finite, got nan'),
+        ([0.0, 1.0], [-math.inf, 0.0], r'control_current\[0\] must be finite, got -inf'),
     ],
 )
 def test_simulate_refuses_rows_that_do_not_fit(time, current, complaint):
     with pytest.raises(ValueError, match=complaint):
         simulate(positioner(), np.array(time), np.array(current))
+
+
+@pytest.mark.parametrize(('given', 'complaint'), [
+    ({'initial': {'foo': 1.0}}, 'initial: there is no state foo; there are back_pressure, '),
+    ({'initial': {'past': math.nan}}, 'past must be finite, got nan'),
+    ({'pinned': {'mass_flow': [0.0, 0.0]}}, 'pinned: there is no state mass_flow; there are '),
+    ({'pinned': {'supply_pressure': [4e5]}},
+     r'pinned supply_pressure must have a value for each of the 2 rows, got the shape \(1,\)'),
+    ({'pinned': {'supply_pressure': 4e5}}, r'each of the 2 rows, got the shape \(\)'),
+    ({'pinned': {'supply_pressure': [4e5, math.inf]}},
+     r'supply_pressure\[1\] must be finite, got inf'),
+    ({'tolerance': 0.0}, r'tolerance must be positive, got 0\.0'),
+    ({'tolerance': math.nan}, 'tolerance must be positive, got nan'),
+    ({'longest_interval': 0}, 'longest_interval must be positive, got 0'),
+])
+def test_simulate_refuses_what_would_be_nothing_or_not_a_number(given, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        simulate(positioner(), [0.0, 1.0], [0.0, 0.0], **given)
+
+
+def test_a_stream_refuses_portions_that_do_not_follow():
+    stream = Stream(positioner(), 0.0, 0.0, pinned=('supply_pressure',))
+    supply = {'supply_pressure': [4e5]}
+    stream.advance([1.0], [0.0], supply)
+    with pytest.raises(ValueError, match=r'time must not fall from 1\.0 to 0\.5 s'):
+        stream.advance([0.5], [0.0], supply)
+    with pytest.raises(ValueError, match='pinned: none given, but pinned from the start: supply_'):
+        stream.advance([1.5], [0.0])
+    with pytest.raises(ValueError, match='control_current must be finite, got inf'):
+        Stream(positioner(), 0.0, math.inf)
 
 
 def test_states_hold_all_that_is_integrated():

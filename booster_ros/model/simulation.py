@@ -11,6 +11,7 @@ import numpy as np
 from .kernel import interval, parts_of
 from .memory import CENTRED, DIRECTION, MEMORIES, STANDING, Departure, start_memory
 from .outputs import Outputs, observe, readings
+from .rows import checked_rows
 from .solver import new_workspace
 from .state import PAST, PRESLIDING
 from .sticking import dry_friction, sliding_direction, sticks
@@ -166,16 +167,15 @@ def simulate(
     row (keys `STATE_NAMES`); what it lacks starts settled, with the chamber vented.
     `pinned` channels (same keys) follow the given series instead of the equations. `departure` is
     how far from settled the model starts. Intervals between rows that are longer than
-    `longest_interval` (s) are divided. ValueError where shapes or times do not fit.
+    `longest_interval` (s) are divided. ValueError where shapes or times do not fit, there is no
+    state of a name, a value is not finite, tolerance or `longest_interval` is not positive.
     """
-    held = dict(pinned or {})
-    start = {**(initial or {}), **{name: float(series[0]) for name, series in held.items()}}
-    if len(time) == 0:
-        raise ValueError('time and control_current must not be empty')
+    rows = checked_rows(time, control_current, pinned)
+    start = {**(initial or {}), **{name: float(series[0]) for name, series in rows.pinned.items()}}
     stream = Stream(
-        parameters, float(time[0]), float(control_current[0]), start, tuple(held), tolerance,
-        compiled, departure, longest_interval)
-    columns = stream.advance(time, control_current, held)
+        parameters, float(rows.time[0]), float(rows.control_current[0]), start, tuple(rows.pinned),
+        tolerance, compiled, departure, longest_interval)
+    columns = stream.go_on(rows)
     return Simulation(columns, stream.state)
 
 

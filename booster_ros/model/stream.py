@@ -14,6 +14,7 @@ from .ep_converter import settled_back_pressure
 from .kernel import OBSERVED, run
 from .memory import CENTRED, MEMORIES, Departure, start_current, start_memory
 from .outputs import Outputs
+from .rows import Rows, check_finite, check_positive, check_states, checked_rows
 from .solver import Workspace, new_workspace
 from .state import (
     BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY, TEMPERATURE)
@@ -103,9 +104,16 @@ class Stream:
         `initial` may hold other values of the state (keys `STATE_NAMES`); what a state does not
         tell may be away from settled by a `departure`. The states `pinned` are given with each
         portion and follow no equation. Intervals between rows that are longer than
-        `longest_interval` (s) are divided.
+        `longest_interval` (s) are divided. ValueError where there is no state of a name, time,
+        current or a state is not finite, tolerance or `longest_interval` is not positive.
         """
         given = dict(initial or {})
+        check_states('initial', given)
+        check_states('pinned', pinned)
+        for name, value in {'time': time, 'control_current': control_current, **given}.items():
+            check_finite(name, value)
+        check_positive('tolerance', tolerance)
+        check_positive('longest_interval', longest_interval)
         y = settled_state(
             parameters, start_current(parameters, control_current, departure),
             given.get('chamber_pressure', 0.0), given.get('valve_position'), time)
@@ -146,23 +154,28 @@ class Stream:
         """
         Go on to the last of these rows, shape (n,) each; return what is seen at each of them.
 
-        Of rows with the same stamp the last one counts. ValueError where the shapes differ or time
-        falls.
+        Of rows with the same stamp the last one counts. ValueError where shapes differ, a value is
+        not finite, time falls, or other states are pinned than at the start.
         """
-        t = np.ascontiguousarray(time, dtype=float)
-        current = np.ascontiguousarray(control_current, dtype=float)
-        if t.ndim != 1 or t.shape != current.shape or len(t) == 0:
+        return self.go_on(checked_rows(time, control_current, pinned))
+
+    def go_on(self, rows: Rows) -> dict[str, np.ndarray]:
+        """Do as `advance` with rows that have been checked."""
+        t, current, held = rows
+        places = {STATE_NAMES.index(name): series for name, series in held.items()}
+        if set(places) != set(self._pinned):
+            names = ', '.join(STATE_NAMES[place] for place in self._pinned) or 'none'
             raise ValueError(
-                'time and control_current must be equally long, one-dimensional, not empty')
+                f'pinned: {", ".join(held) or "none"} given, but pinned from the start: {names}')
         before = len(self._time)
+        if before and t[0] < self._time[-1]:
+            raise ValueError(f'time must not fall from {self._time[-1]} to {t[0]} s')
         t = np.concatenate((self._time, t))
-        if not np.all(np.diff(t) >= 0.0):
-            raise ValueError('time must not fall from row to row')
         current = np.concatenate((self._current, current))
         pins = np.zeros((len(t), STATES))
         pins[:before] = self._pins
-        for name, series in (pinned or {}).items():
-            pins[before:, STATE_NAMES.index(name)] = series
+        for place, series in places.items():
+            pins[before:, place] = series
         first = max(before - 1, 0)
         moments = arrivals(t, current, self._parameters.ep_converter.dead_time, self._longest)
         moments = moments[moments > t[first]]
