@@ -213,6 +213,21 @@ def test_plant_refuses_a_step_that_is_none(step):
         Plant(positioner(), step)
 
 
+@pytest.mark.parametrize(('current', 'steps', 'complaint'), [
+    (PAPER_CURRENT, -3, 'steps must not be negative, got -3'),
+    (math.nan, 1, 'control_current must be finite, got nan'),
+    (-math.inf, 1, 'control_current must be finite, got -inf'),
+])
+def test_plant_refuses_what_it_cannot_advance_by_and_goes_on(current, steps, complaint):
+    plant, other = Plant(positioner()), Plant(positioner())
+    with pytest.raises(ValueError, match=complaint):
+        plant.advance(current, steps)
+    assert plant.outputs() == other.outputs()
+    for one in (plant, other):
+        one.advance(PAPER_CURRENT, 20)
+    assert plant.outputs() == other.outputs()
+
+
 @pytest.mark.parametrize(
     ('time', 'current', 'complaint'),
     [

@@ -11,7 +11,7 @@ import numpy as np
 from .kernel import interval, parts_of
 from .memory import CENTRED, DIRECTION, MEMORIES, STANDING, Departure, start_memory
 from .outputs import Outputs, observe, readings
-from .rows import checked_rows
+from .rows import check_finite, checked_rows
 from .solver import new_workspace
 from .state import PAST, PRESLIDING
 from .sticking import dry_friction, sliding_direction, sticks
@@ -98,7 +98,14 @@ class Plant:
         self._active = active_states(p)
 
     def advance(self, control_current: float, steps: int) -> None:
-        """Let `steps` × step seconds pass with the command standing at `control_current` (A)."""
+        """
+        Let `steps` × step seconds pass with the command standing at `control_current` (A).
+
+        ValueError where the current is not finite or `steps` is negative; nothing has changed then.
+        """
+        check_finite('control_current', control_current)
+        if steps < 0:
+            raise ValueError(f'steps must not be negative, got {steps}')
         self._current = control_current
         parts = parts_of(self._parameters, self._step, self._step)
         length = self._step / parts
