@@ -5,6 +5,7 @@
 from array import array
 import math
 
+import numpy as np
 import pytest
 
 from booster_ros.model.parameters import (
@@ -72,7 +73,7 @@ def test_every_parameter_says_what_it_is(name):
 
 
 @pytest.mark.parametrize('name', [n for n, d in DESCRIPTIONS.items() if not d.choices])
-@pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf, 'many', None, True])
+@pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf, 'many', None, True, np.True_, 1j])
 def test_no_parameter_takes_what_is_no_number(name, value):
     if isinstance(DESCRIPTIONS[name].default, tuple):
         value = [value] * len(DESCRIPTIONS[name].default)
@@ -136,8 +137,12 @@ def test_contradictions_and_misspelt_names_are_named(values, complaint):
         from_values(values)
 
 
-def test_whole_numbers_are_numbers():
-    assert from_values({'supply.pressure': 400000}) == PositionerParameters()
+@pytest.mark.parametrize('kind', [int, np.int64, np.float32, np.float64])
+def test_numbers_of_every_kind_are_numbers(kind):
+    p = from_values({'supply.pressure': kind(400_000),
+                     'actuator.bench_set': np.array([150_000, 300_000], dtype=kind)})
+    assert p == PositionerParameters()
+    assert {type(p.supply.pressure), *map(type, p.actuator.bench_set)} == {float}
 
 
 def test_a_name_like_no_other_gets_no_suggestion():

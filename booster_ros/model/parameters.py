@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 import dataclasses
 import difflib
 import math
+import numbers
 from typing import Any, NamedTuple, get_type_hints
 
 from . import discrepancy
@@ -74,7 +75,8 @@ def from_values(values: Mapping[str, Any]) -> PositionerParameters:
     Return checked parameters from dotted names and values in SI; what is missing has its default.
 
     Raise ParameterError for an unknown name, a value of the wrong kind or out of its range, and
-    for a set that contradicts itself. Integers are taken where a float is meant.
+    for a set that contradicts itself. Real numbers of any kind are taken where a float is meant,
+    those of numpy too.
     """
     for name in values:
         if name not in DESCRIPTIONS:
@@ -130,7 +132,7 @@ def checked_value(description: Description, value: Any) -> Any:
 
 def _checked_number(description: Description, value: Any) -> float:
     name, unit = description.name, description.unit
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise ParameterError(
             f'{name} must be a number in {unit}, got {shown(value)} (write for example '
             f'{_example(description.default)})')
