@@ -17,14 +17,14 @@ def test_a_vented_chamber_is_not_taken_for_kilopascals(tmp_path):
     assert len(read_lines(tmp_path, lines)) == 2
 
 
-def test_gaps_split_a_record_and_are_not_filled(tmp_path):
+def test_gaps_are_named_and_not_filled(tmp_path):
     lines = good_lines()
     del lines[20:30]
     record = read_lines(tmp_path, lines)
     (gap,) = defects(record, 'gap')
     assert (gap.first_row, gap.last_row) == (20, 21)
     assert '0.11 s' in gap.treatment
-    assert record.stretches() == [slice(0, 19), slice(19, 40)]
+    assert len(record) == 40
     assert str(gap) == 'rows 20 to 21, column time: a gap of 0.11 s, left open'
 
 
@@ -157,7 +157,8 @@ def test_pauses_between_bursts_of_rows_are_no_gaps_and_one_that_is_longer_is(tmp
     lines[1:] = [','.join([f'{at:.6f}', *line.split(',')[1:]])
                  for at, line in zip(time, lines[1:], strict=True)]
     record = read_lines(tmp_path, lines)
-    assert [piece.start for piece in record.stretches()] == [0, 30]
+    (gap,) = defects(record, 'gap')
+    assert (gap.first_row, gap.last_row) == (31, 32)
 
 
 def test_a_clock_that_was_set_while_recording_is_pointed_out(tmp_path):

@@ -133,7 +133,6 @@ def test_without_time_a_record_is_a_sweep_in_row_order(tmp_path):
     record = read_lines(tmp_path, lines)
     assert 'time' not in record
     assert list(record['chamber_pressure']) == [0.0, 150_000.0, 0.0, 300_000.0]
-    assert record.stretches() == [slice(0, 4)]
 
 
 @pytest.mark.parametrize('name', ['row', 'Index', 'n', 'no.', 'sample', 'force', 'set point', 's'])

@@ -4,11 +4,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
-
-from booster_ros.records.time_axis import gap_rows
 
 Array = np.ndarray
 
@@ -123,10 +120,3 @@ class Record:
         kept = slice(int(np.searchsorted(self.columns['time'], time)), None)
         columns = {name: values[kept] for name, values in self.columns.items()}
         return replace(self, columns=columns, rows=self.rows[kept])
-
-    def stretches(self) -> list[slice]:
-        """Return the slices between the gaps in time; a simulation must not run across one."""
-        if 'time' not in self.columns:
-            return [slice(0, len(self))]
-        edges = [0, *(int(row) for row in gap_rows(self.columns['time'])), len(self)]
-        return [slice(first, last) for first, last in pairwise(edges)]
