@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ensembles: the numbers of single runs, whatever the number of threads."""
 
+import re
+
 import numpy as np
 from positioner_runs import PAPER_CURRENT, positioner, rows
 import pytest
+from ros_process import ROOT
 
 from booster_ros.model.ensemble import simulate_ensemble
 from booster_ros.model.simulation import simulate
@@ -62,3 +65,17 @@ def test_what_a_single_run_refuses_an_ensemble_refuses():
         simulate_ensemble(SETS, TIME[::-1], CURRENT)
     with pytest.raises(KeyError, match='valve_posture'):
         simulate_ensemble(SETS, TIME, CURRENT, ['valve_posture'])
+
+
+def test_the_example_of_the_page_gives_what_it_says(capsys):
+    """On the way up friction takes its force per area off the pressure that moves the stem."""
+    page = (ROOT / 'docs' / 'simulate.md').read_text(encoding='utf-8')
+    example = re.search(r'^```python\n(.*?)^```', page, re.MULTILINE | re.DOTALL)[1]
+    names: dict = {}
+    exec(example, names)
+    said = re.search(r'# mm: (\[.*\])', example)[1]
+    assert capsys.readouterr().out.strip() == said
+    positions = names['seen']['valve_position']
+    assert positions.shape == (3, 3000)
+    short = np.array(names['frictions']) / 0.0796 / 150e3 * 0.016
+    assert positions[0, -1] - positions[:, -1] == pytest.approx(short, abs=2e-6)
