@@ -22,8 +22,8 @@ from ..model.sticking import breakaway_excess, slip_direction, sticks
 from ..model.system import PositionerParameters, derivatives, hold_inactive_states, net_stem_force
 from .cases import Case
 
-# Absolute tolerance per relative tolerance: Pa, Pa, Pa, Pa, K, -, m, m/s.
-SCALES = (1e4, 1e4, 1e4, 1e4, 10.0, 1.0, 1e-2, 1.0)
+# Absolute tolerance per relative tolerance: Pa, Pa, Pa, Pa, K, -, m, m/s, N.
+SCALES = (1e4, 1e4, 1e4, 1e4, 10.0, 1.0, 1e-2, 1.0, 100.0)
 
 
 Rates = Callable[[PositionerParameters, float, float, float, list[float], list[float]], None]
