@@ -19,6 +19,14 @@ ROW = 0.01
 """Distance of the rows of a case, s: the rate at which records are usually made."""
 
 
+STRIBECK_VELOCITY = 1e-3
+"""Velocity at which the stiction of a case has faded to 37 %, m/s."""
+
+
+CURRENT_NOISE = 1e-7
+"""Standard deviation of the noise on a current, A: 0.2 % of what the ramps go through."""
+
+
 class Case(NamedTuple):
     """A run: parameters, rows of time (s) and current (A), and states at the first row."""
 
@@ -44,7 +52,7 @@ def stick_slip(length: float = 40.0) -> Case:
     parameters = from_values({
         'actuator.coulomb_friction': 400.0,
         'actuator.stiction': 300.0,
-        'actuator.stribeck_velocity': 1e-3,
+        'actuator.stribeck_velocity': STRIBECK_VELOCITY,
     })
     time = np.arange(round(length / ROW) + 1) * ROW
     low, high = 0.405e-3, 0.455e-3
@@ -53,6 +61,36 @@ def stick_slip(length: float = 40.0) -> Case:
     return Case(
         'stick-slip', parameters, time, current, {'chamber_pressure': 160e3}
     )
+
+
+def yielding_packing(stiction: float) -> PositionerParameters:
+    """Return a stem whose packing gives before it slides, with so much stiction, N."""
+    return from_values({
+        'actuator.coulomb_friction': 400.0,
+        'actuator.stiction': stiction,
+        'actuator.stribeck_velocity': STRIBECK_VELOCITY,
+        'actuator.presliding_stiffness': 2e7,
+    })
+
+
+def yielding_ramps(stiction: float, length: float = 40.0) -> Case:
+    """Return the current of `stick_slip` on a packing that yields, with so much stiction, N."""
+    return stick_slip(length)._replace(name='ramps', parameters=yielding_packing(stiction))
+
+
+def noisy_ramps(stiction: float, length: float = 40.0) -> Case:
+    """Return `yielding_ramps` with noise on the current, the same in all runs."""
+    case = yielding_ramps(stiction, length)
+    noise = np.random.default_rng(1).normal(0.0, CURRENT_NOISE, len(case.time))
+    return case._replace(name='noisy ramps', control_current=case.control_current + noise)
+
+
+def yielding_step(stiction: float, length: float = 40.0) -> Case:
+    """Return one step that a stem creeps after, in a packing that yields; stiction in N."""
+    time = np.arange(round(length / ROW) + 1) * ROW
+    return Case(
+        'step', yielding_packing(stiction), time,
+        np.where(time < 1.0 - 1e-9, 0.40e-3, 0.44e-3), {'chamber_pressure': 160e3})
 
 
 def moving_command(length: float = 10.0) -> Case:
