@@ -9,6 +9,7 @@ from scipy.optimize import lsq_linear
 
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import Free
+from booster_ros.diagnosis.fitting.valley import slopes_along_axes
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.parameters import DESCRIPTIONS
 
@@ -99,7 +100,8 @@ def block_bootstrap_of_means(problem: Problem, fit: Fit, of_row: Array) -> Array
     """
     of_row = _blocks(problem, fit, of_row)
     here = problem.means(fit.z)
-    slopes = problem.slopes_of_means(fit.z, here, problem.slopes_of_means(fit.z, here))
+    columns = problem.slopes_of_means(fit.z, here, problem.slopes_of_means(fit.z, here))
+    slopes = slopes_along_axes(problem, problem.means, fit.z, here, columns)
     label = np.concatenate([
         of_row[rows][slips.first] for rows, slips in zip(problem.counted.values(), problem.slips)])
     return _draws(problem, fit, here, slopes, label)

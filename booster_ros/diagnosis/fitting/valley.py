@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from booster_ros.diagnosis.fitting.descent import Residuals
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 
@@ -22,9 +23,14 @@ ROUNDS = 3
 0.4 where its own are 0.005, on processors whose rounding begins them with 8."""
 
 
-def slopes_along_axes(problem: Problem, fit: Fit) -> Array:
+def slopes_along_axes(
+    problem: Problem, residuals: Residuals, z: Array, here: Array, columns: Array
+) -> Array:
     """
-    Return d(residuals)/dz at a fit by differences along the principal axes of its Jacobian.
+    Return d(residuals)/dz at z by differences along the principal axes of a Jacobian.
+
+    `residuals` are those of the problem, or its means; `here` is what they are at z, `columns`
+    their Jacobian there by one-sided differences.
 
     Columns of one-sided differences bend by a percent over their steps. Where variables do nearly
     the same, that percent is more than what differs between them, and what the rows cannot tell
@@ -37,14 +43,14 @@ def slopes_along_axes(problem: Problem, fit: Fit) -> Array:
     The axes of a Jacobian that is a percent off are off as well. So it is done again with what came
     of it, ROUNDS times in all.
     """
-    here = problem.residuals(fit.z)
-    slopes = fit.jacobian
     for _ in range(ROUNDS):
-        slopes = _along_axes(problem, fit.z, here, slopes)
-    return slopes
+        columns = _along_axes(problem, residuals, z, here, columns)
+    return columns
 
 
-def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
+def _along_axes(
+    problem: Problem, residuals: Residuals, z: Array, here: Array, columns: Array
+) -> Array:
     low, high = problem.bounds()
     moving = np.flatnonzero(columns.any(axis=0))
     _, lengths, axes = np.linalg.svd(columns[:, moving], full_matrices=False)
@@ -58,11 +64,11 @@ def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Arra
             for inwards in (step, -step):
                 furthest = z + 2.0 * inwards
                 if np.all((low <= furthest) & (furthest <= high)):
-                    ahead, further = problem.residuals(z + inwards), problem.residuals(furthest)
+                    ahead, further = residuals(z + inwards), residuals(furthest)
                     side = 1.0 if inwards is step else -1.0
                     return side * (4.0 * ahead - further - 3.0 * here) / (2.0 * steps[k])
         free = np.where(over, 0.0, step)
-        change = problem.residuals(z + free) - problem.residuals(z - free)
+        change = residuals(z + free) - residuals(z - free)
         return (0.5 * change + columns @ (step - free)) / steps[k]
 
     slopes = columns.copy()
@@ -72,9 +78,10 @@ def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Arra
 
 def at_the_bottom(problem: Problem, fit: Fit) -> Fit:
     """Return the fit with `slopes_along_axes`, a Gauss-Newton step further if that is better."""
-    slopes = slopes_along_axes(problem, fit)
+    here = problem.residuals(fit.z)
+    slopes = slopes_along_axes(problem, problem.residuals, fit.z, here, fit.jacobian)
     low, high = problem.bounds()
-    step = lsq_linear(slopes, -problem.residuals(fit.z), (low - fit.z, high - fit.z)).x
+    step = lsq_linear(slopes, -here, (low - fit.z, high - fit.z)).x
     z = fit.z + step
     cost = problem.cost(z)
     if cost >= fit.cost:
