@@ -31,6 +31,17 @@ SPREADS: dict[str, dict[str, float]] = {
         'supply': 0.003,
         'viscous_friction': 0.2,
     },
+    # What the model takes for granted of declared parameters until a record tells more.
+    'tolerances': {
+        'gain': 0.02,
+        'time_constant': 0.15,
+        'opening_gain': 0.06,
+        'max_area': 0.06,
+        'dead_volume': 0.06,
+        'bench_set': 0.004,
+        'supply': 0.015,
+        'viscous_friction': 0.3,
+    },
 }
 
 

@@ -1,0 +1,103 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Valves of the hidden plant of which all parameters are known, and their records."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hidden_plant.cases import play
+from hidden_plant.currents import KINDS
+from hidden_plant.declared import drawn_valve
+from hidden_plant.effects import EFFECTS, put_in
+from hidden_plant.plant import SAMPLE_TIME, Valve
+from hidden_plant.sensors import (
+    POSITION_NOISE, POSITION_RESOLUTION, PRESSURE_NOISE, PRESSURE_RESOLUTION, Sensors)
+import numpy as np
+from scipy.signal import lfilter
+
+from booster_ros.records.record import Record
+
+Key = tuple[str, int | None]
+
+SECONDS = 100.0
+
+SIZES: Mapping[str, tuple[str, ...]] = {
+    'chamber_leak': ('actuator.leak_area',),
+    'ep_hysteresis': ('ep_converter.hysteresis',),
+    'dead_time': ('ep_converter.dead_time',),
+    'booster_dead_band': ('booster.intake_preload', 'booster.exhaust_preload'),
+    'supply_droop': ('supply.droop',),
+    'heat_transfer': ('actuator.thermal_resistance',),
+    'bench_set_shift': ('actuator.bench_set_shift',),
+    'position_backlash': ('sensors.position_backlash',),
+    'pressure_sensor_lag': ('sensors.pressure_lag',),
+    'stem_friction_coulomb': ('actuator.coulomb_friction',),
+}
+"""Effects of the plant whose size is one that the model has as well, in the same unit."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """
+    A valve drawn from the tolerances, with an effect of a size drawn between small and large.
+
+    `carried` is how much of the noise carries over from row to row, `kind` that of the current.
+    """
+
+    effect: str
+    carried: float
+    seed: int
+    kind: str = 'mixed'
+
+    def valve(self) -> tuple[Valve, Sensors, float]:
+        """Return the plant, its sensors and the size of its effect (0 without one)."""
+        generator = np.random.default_rng([self.seed, 0])
+        valve, sensors = drawn_valve(generator, 'tolerances'), Sensors()
+        if not self.effect:
+            return valve, sensors, 0.0
+        small, _, large = EFFECTS[self.effect].sizes
+        size = float(np.exp(generator.uniform(np.log(small), np.log(large))))
+        return *put_in(EFFECTS[self.effect], size, valve, sensors), size
+
+    def truth(self) -> dict[Key, float]:
+        """Return what was put in, by name and element of the model's parameters."""
+        valve, _, size = self.valve()
+        stem, area = valve.stem, valve.chamber.area
+        low = stem.preload / area
+        return {
+            ('ep_converter.gain', None): valve.converter.gain,
+            ('ep_converter.offset', None): valve.converter.offset,
+            ('ep_converter.time_constant', None): valve.converter.time_constant,
+            ('booster.opening_gain', None): valve.booster.opening_gain,
+            ('booster.max_area', None): valve.booster.max_area,
+            ('booster.critical_pressure_ratio', None): valve.booster.critical_ratio,
+            ('supply.pressure', None): valve.supply.pressure,
+            ('actuator.dead_volume', None): valve.chamber.dead_volume,
+            ('actuator.bench_set', 0): low,
+            ('actuator.bench_set', 1): low + stem.spring_rate * stem.travel / area,
+            ('actuator.viscous_friction', None): stem.viscous_friction,
+            **{(name, None): size for name in SIZES.get(self.effect, ())},
+        }
+
+    def record(self) -> Record:
+        """Return what a recorder with this noise writes of it."""
+        valve, sensors, _ = self.valve()
+        current = KINDS[self.kind](np.random.default_rng([self.seed, 1]), SECONDS)
+        pressure, position = play(valve, sensors, current)
+        generator = np.random.default_rng([self.seed, 2, round(100 * self.carried)])
+        rows = len(current)
+        columns = {
+            'time': SAMPLE_TIME * np.arange(rows),
+            'control_current': current,
+            'chamber_pressure': self._read(
+                pressure, PRESSURE_NOISE, PRESSURE_RESOLUTION, generator),
+            'valve_position': self._read(position, POSITION_NOISE, POSITION_RESOLUTION, generator),
+        }
+        return Record(columns, f'{self.effect or "nothing"} {self.seed}', (), np.arange(rows) + 2)
+
+    def _read(self, signal: np.ndarray, level: float, resolution: float,
+              generator: np.random.Generator) -> np.ndarray:
+        white = generator.standard_normal(len(signal))
+        white[1:] *= np.sqrt(1.0 - self.carried**2)
+        noise = level * lfilter([1.0], [1.0, -self.carried], white)
+        return resolution * np.round((signal + noise) / resolution)

@@ -1,0 +1,99 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The study of intervals compares them with what was put in, and counts rightly."""
+
+from dataclasses import replace
+import re
+
+from hidden_plant.sensors import POSITION_NOISE, PRESSURE_NOISE
+from interval_coverage.__main__ import main
+from interval_coverage.fits import Held, declared_parameters, intervals, levels
+from interval_coverage.page import page
+from interval_coverage.valves import SIZES, Drawn
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.fitting.freedom import put
+from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.model.memory import Departure
+
+NOISE = {'chamber_pressure': PRESSURE_NOISE, 'valve_position': POSITION_NOISE}
+
+
+@pytest.mark.parametrize('effect', ['', *SIZES])
+def test_the_model_with_what_was_put_in_moves_as_the_plant_does(effect):
+    """So an interval that does not hold it is wrong, not the two models different."""
+    drawn = Drawn(effect, 0.0, 4)
+    experiment = prepare(drawn.record(), declared_parameters())
+    told = declared_parameters()
+    for (name, element), value in drawn.truth().items():
+        told = put(told, name, value, element)
+    missed, later = [], experiment.time > 10.0  # in what state it begins, the record does not say
+    for play in (-1.0, 0.0, 1.0):
+        start = replace(experiment.initial, departure=Departure(ep_play=play, position_play=play))
+        run = experiment.predict(told, start)
+        missed.append(max(
+            np.sqrt(np.nanmean((run[name] - experiment.measured[name])[later]**2)) / noise
+            for name, noise in NOISE.items()))
+    assert min(missed) < 1.25
+
+
+def test_what_is_drawn_is_drawn_anew_and_again():
+    one, other = Drawn('chamber_leak', 0.9, 1), Drawn('chamber_leak', 0.9, 2)
+    assert one.truth() == Drawn('chamber_leak', 0.0, 1).truth()
+    sizes = [each.truth()['actuator.leak_area', None] for each in (one, other)]
+    assert sizes[0] != sizes[1]
+    record = one.record()
+    np.testing.assert_array_equal(
+        record['chamber_pressure'], Drawn('chamber_leak', 0.9, 1).record()['chamber_pressure'])
+    left = np.diff(record['valve_position'][-200:])  # of slow noise, steps are small
+    assert np.std(left) < 0.8 * POSITION_NOISE
+
+
+def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
+    drawn = Drawn('chamber_leak', 0.0, 4)
+    found = {one.parameter: one for one in intervals(drawn)}
+    assert len(found) == 12
+    assert found['actuator.leak_area'].of_effect
+    assert found['actuator.leak_area'].held
+    assert not found['actuator.dead_volume'].of_effect
+    truth = drawn.truth()
+    monkeypatch.setattr(Drawn, 'truth', lambda _: {
+        **truth, ('actuator.leak_area', None): 2.0 * truth['actuator.leak_area', None]})
+    again = {one.parameter: one for one in intervals(drawn)}
+    assert not again.pop('actuator.leak_area').held
+    assert all(again[name].held == one.held for name, one in found.items() if name in again)
+
+
+def test_a_level_is_relative_to_what_the_noise_is():
+    assert levels(Drawn('', 0.0, 1, 'stairs')) == pytest.approx((1.0, 1.0), abs=0.1)
+    assert max(levels(Drawn('', 0.9, 1, 'sines'))) < 0.5  # taken as white
+
+
+def test_the_page_counts():
+    def held(*parts):
+        return [Held('actuator.leak_area', True, parts[0], 0.1),
+                *(Held(f'booster.{k}', False, one, 0.1) for k, one in enumerate(parts[1:]))]
+
+    text = page({('chamber_leak', 0.0): [held(True, True, False), held(False, True, True)],
+                 ('', 0.9): [held(True, True, True)[1:]]},
+                {('stairs', 0.9): [0.8, 1.0, 1.2]}, 'python -m it')
+    assert '| chamber_leak | 0 | 2 | 1 of 2 | 3 of 4 |' in text
+    assert '| none | 0.9 | 1 | – | 2 of 2 |' in text
+    assert re.search(r'\| \*\*all\*\* \| \| 3 \| 1 of 2: 50\.0 % .* \| 5 of 6: 83\.3 % \(', text)
+    assert 'of declared parameters: `booster.1` 2 of 3, `booster.0` 3 of 3.' in text
+    assert '| stairs | 0.9 | 1 | 0.82 | 1.00 | 1.18 |' in text
+
+
+def test_the_command_writes_the_page_it_names(tmp_path, capsys):
+    page_file = tmp_path / 'page.md'
+    assert main(['--records', '1', '--levels', '1', '--effects', 'none', '--seed', '7',
+                 '--docs', str(page_file)]) == 0
+    text = page_file.read_text()
+    assert 'python -m interval_coverage --records 1 --levels 1 --seed 7 --effects none\n' in text
+    assert re.search(r'\| none \| 0\.9 \| 1 \| – \| \d+ of 11 \|', text)
+    assert main(['--records', '0']) == 2
+    assert '--records, --levels and --jobs must be 1 or more' in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(['--effects', 'creep'])
+    assert 'creep is none of none, chamber_leak' in capsys.readouterr().err
