@@ -5,6 +5,7 @@
 from dataclasses import replace
 
 from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
+from made_effect import add_effect
 import numpy as np
 import pytest
 
@@ -15,7 +16,7 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.searching.screening import with_effect
-from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.gas import ISENTROPIC
 
 COLUMNS = timed_columns()
@@ -102,10 +103,33 @@ def test_the_isentropic_law_has_no_critical_ratio_to_look_for():
 
 
 def test_a_signature_shows_the_stem_and_its_sensor():
-    timed = located('stem') | {n for n in EFFECTS if n.startswith('position_') and 'friction' not
-                               in n}
+    timed = located('stem') | {'position_backlash', 'position_sensor_lag', 'position_sensor_bias'}
     assert names('signature in time') == timed
     assert names('signature') == timed - {'position_sensor_lag'}
+
+
+@pytest.mark.parametrize(('kind', 'clocked', 'shows'), [
+    ('commanded', True, True), ('bench', False, True), ('bench', True, False)])
+def test_a_new_effect_that_acts_through_time_is_not_for_a_sweep(monkeypatch, kind, clocked, shows):
+    knob = Knob('booster.intake_preload', 0.02, 0.0, 1.0, clocked=clocked)
+    shape = Knob('booster.knee_softness', 0.3, 0.0, 1.0, shape=True)
+    add_effect(monkeypatch, 'sluggish_seat', 'booster', knob, shape)
+    assert ('sluggish_seat' in names(kind)) == shows
+
+
+@pytest.mark.parametrize(('reading', 'kinds'), [
+    ('chamber_pressure', {'commanded', 'isolated'}),
+    ('valve_position', {'commanded', 'signature in time', 'signature'}),
+])
+def test_a_new_effect_of_a_sensor_shows_where_its_reading_is_compared(monkeypatch, reading, kinds):
+    knob = Knob('sensors.position_bias', 1e-4, -5e-3, 5e-3)
+    add_effect(monkeypatch, 'loose_screw', 'sensor', knob, reading=reading)
+    for kind in ('commanded', 'isolated', 'signature in time', 'signature', 'bench'):
+        assert ('loose_screw' in names(kind)) == (kind in kinds), kind
+
+
+def test_effects_of_sensors_and_no_others_have_a_reading():
+    assert {name for name, effect in EFFECTS.items() if effect.reading} == located('sensor')
 
 
 def test_a_bench_shows_the_booster():

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is seen above the stem, with its measured position as what drives the chamber."""
 
+from made_effect import add_effect
 from made_search import LEAKING, P, RUBBING, searching, seen, standing_at
 import numpy as np
 import pytest
@@ -40,6 +41,13 @@ def test_a_record_without_position_has_nothing_above_its_stem():
     ('stem_friction', False), ('position_backlash', False)])
 def test_effects_above_the_stem(effect, shows):
     assert shows_above_the_stem(effect) is shows
+
+
+@pytest.mark.parametrize(('reading', 'shows'), [
+    ('chamber_pressure', True), ('valve_position', False)])
+def test_a_new_effect_of_a_sensor_shows_above_the_stem_by_its_reading(monkeypatch, reading, shows):
+    add_effect(monkeypatch, 'loose_screw', 'sensor', reading=reading)
+    assert shows_above_the_stem('loose_screw') is shows
 
 
 def test_what_lies_above_a_stem_that_sticks_is_taken_from_there():

@@ -9,6 +9,8 @@ that searches, fits, reports or configures effects reads these rows.
 
 from dataclasses import dataclass
 
+from .gas import ISO_6358
+
 
 @dataclass(frozen=True)
 class Knob:
@@ -27,7 +29,7 @@ class Knob:
     neutral: float = 0.0
     inverse: int = 0
     shape: bool = False  # a shape parameter means nothing while the size is neutral
-    clocked: bool = False  # it acts through speeds, which a sweep without a clock lacks
+    clocked: bool = False  # it acts through time or speeds, which a sweep without a clock lacks
     tried: tuple[float, ...] = ()  # values of a shape with each of which sizes are tried
 
     def to_fit(self, value: float) -> float:
@@ -49,7 +51,9 @@ class Effect:
     """
     A named effect: where it is born, its knobs, what a record needs to show it, what separates it.
 
-    `loosens` names the declared parameters that are known less well where this effect is present.
+    `loosens` names the declared parameters that are known less well where this effect is present,
+    `reading` the channel whose sensor it falsifies. `orifice_law` is the only law of flow through
+    the seats that knows the effect, None where any does.
     """
 
     name: str
@@ -60,11 +64,20 @@ class Effect:
     separating_experiment: str
     source: str
     loosens: tuple[str, ...] = ()
+    reading: str = ''
+    orifice_law: int | None = None
+
+    @property
+    def needs_clock(self) -> bool:
+        """Whether no size of it acts in a sweep without a clock."""
+        return all(knob.clocked for knob in self.knobs if not knob.shape)
 
 
 def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
-            loosens: tuple[str, ...] = ()) -> Effect:
-    return Effect(name, location, knobs, meaning, needs, experiment, source, loosens)
+            loosens: tuple[str, ...] = (), reading: str = '', orifice_law: int | None = None
+            ) -> Effect:
+    return Effect(
+        name, location, knobs, meaning, needs, experiment, source, loosens, reading, orifice_law)
 
 
 # a packing stiffer than `high` yields less than sensors tell: a rigid one reads the same, and is
@@ -84,7 +97,7 @@ _ROWS = (
         'ep_drift', 'ep_converter', 'the back pressure shifts with time (coil heating)',
         'minutes of record', 'repeat one step after an hour: the settled pressure has moved',
         'first-order warming of coil and magnet',
-        Knob('ep_converter.drift', 1e3, -3e4, 3e4),
+        Knob('ep_converter.drift', 1e3, -3e4, 3e4, clocked=True),
         Knob('ep_converter.drift_time_constant', 100.0, 5.0, 2000.0, 100.0, shape=True)),
     _effect(
         'ep_nonlinearity', 'ep_converter', 'the back pressure is not a straight line over current',
@@ -99,7 +112,7 @@ _ROWS = (
         'dead_time', 'ep_converter', 'the response starts late', 'steps, sampled faster than it',
         'steps of several sizes: a delay shifts all by the same time',
         'pure delay: E. Richer, Y. Hurmuzlu, J. Dyn. Sys. Meas. Control 122 (2000) 416',
-        Knob('ep_converter.dead_time', 0.05, 0.0, 1.0)),
+        Knob('ep_converter.dead_time', 0.05, 0.0, 1.0, clocked=True)),
     _effect(
         'booster_dead_band', 'booster', 'force before intake or exhaust opens',
         'reversals, or the back pressure', 'slow triangle with the stem blocked: the dead band '
@@ -132,7 +145,7 @@ _ROWS = (
         'critical_pressure_ratio', 'booster', 'real seats choke at another pressure ratio',
         'fills to high pressure', 'fill to different fractions of the supply pressure',
         'ISO 6358-1: b of real seats is 0.15 to 0.45',
-        Knob('booster.critical_pressure_ratio_shift', -0.15, -0.5, 0.4)),
+        Knob('booster.critical_pressure_ratio_shift', -0.15, -0.5, 0.4), orifice_law=ISO_6358),
     _effect(
         'supply_droop', 'supply', 'the regulator loses pressure with flow',
         'large steps', 'log the supply pressure during a large step',
@@ -143,7 +156,7 @@ _ROWS = (
         'supply_ripple', 'supply', 'the supply pressure oscillates',
         'rests longer than its period', 'log the supply pressure at rest',
         'sinusoidal or saw-toothed supply pressure',
-        Knob('supply.ripple', 2e3, 0.0, 1e5),
+        Knob('supply.ripple', 2e3, 0.0, 1e5, clocked=True),
         Knob('supply.ripple_frequency', 0.5, 0.003, 20.0, 0.5, shape=True),
         Knob('supply.ripple_phase', 0.0, -7.0, 7.0, shape=True),
         Knob('supply.ripple_skew', 0.0, -0.95, 0.95, shape=True)),
@@ -168,7 +181,7 @@ _ROWS = (
         'heat_transfer', 'chamber', 'the air warms when compressed and cools at the wall',
         'fast fills followed by rests', 'blocked stem, fast fill, then isolate: the pressure '
         'relaxes to a plateau', 'first law for an ideal gas with heat through the wall',
-        Knob('actuator.thermal_resistance', 0.3, 0.0, 20.0)),
+        Knob('actuator.thermal_resistance', 0.3, 0.0, 20.0, clocked=True)),
     _effect(
         'dead_volume_change', 'chamber', 'the chamber is larger or smaller than declared',
         'steps below and above the bench set', 'blocked-stem fills with a known volume added',
@@ -222,24 +235,25 @@ _ROWS = (
         'position_backlash', 'sensor', 'lost motion in the feedback linkage',
         'reversals', 'a second position sensor on the stem',
         'play operator; M. Bartys et al. (2006), f15',
-        Knob('sensors.position_backlash', 1e-4, 0.0, 5e-3)),
+        Knob('sensors.position_backlash', 1e-4, 0.0, 5e-3),
+        reading='valve_position'),
     _effect(
         'position_sensor_lag', 'sensor', 'the position reading comes late', 'steps',
         'a second position sensor on the stem', 'first-order sensor',
-        Knob('sensors.position_lag', 0.1, 0.0, 5.0)),
+        Knob('sensors.position_lag', 0.1, 0.0, 5.0, clocked=True), reading='valve_position'),
     _effect(
         'position_sensor_bias', 'sensor', 'the position reading is off in zero or span',
         'rest at an end stop', 'both end stops', 'zero and span error, IEC 61298-2',
         Knob('sensors.position_bias', 1e-4, -5e-3, 5e-3),
-        Knob('sensors.position_span_error', 0.02, -0.3, 0.3)),
+        Knob('sensors.position_span_error', 0.02, -0.3, 0.3), reading='valve_position'),
     _effect(
         'pressure_sensor_lag', 'sensor', 'the pressure reading comes late', 'steps',
         'a second pressure sensor at the chamber', 'first-order sensor',
-        Knob('sensors.pressure_lag', 0.1, 0.0, 5.0)),
+        Knob('sensors.pressure_lag', 0.1, 0.0, 5.0, clocked=True), reading='chamber_pressure'),
     _effect(
         'pressure_sensor_bias', 'sensor', 'the pressure reading is off', 'vented chamber',
         'vent the chamber: the reading must be zero', 'zero error, IEC 61298-2',
-        Knob('sensors.pressure_bias', 3e3, -6e4, 6e4)),
+        Knob('sensors.pressure_bias', 3e3, -6e4, 6e4), reading='chamber_pressure'),
 )
 
 EFFECTS: dict[str, Effect] = {row.name: row for row in _ROWS}

@@ -16,15 +16,9 @@ from booster_ros.model.catalogue import EFFECTS, Effect
 from booster_ros.model.gas import ISO_6358
 from booster_ros.model.system import PositionerParameters
 
-_NEED_A_CLOCK = {'dead_time', 'ep_drift', 'supply_ripple', 'heat_transfer', 'position_sensor_lag',
-                 'pressure_sensor_lag'}
-
 NEAR_BENCH_SET = 0.25
 """Distance below the bench set, as a share of its range, within which a shifted spring might let
 the stem go."""
-
-_SENSED = {'position': 'valve_position', 'pressure': 'chamber_pressure'}
-"""The channel that an effect of a sensor shows in, by the first word of the effect's name."""
 
 
 def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[str, ...]:
@@ -32,7 +26,7 @@ def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[
     resting = _stem_rests(experiment, declared)
     return tuple(name for name, effect in EFFECTS.items()
                  if _shows(effect, experiment) and not (resting and effect.location == 'stem')
-                 and any(_acts(knob.parameter, declared) for knob in effect.knobs))
+                 and effect.orifice_law in (None, declared.booster.orifice_law))
 
 
 def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
@@ -46,12 +40,12 @@ def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
 
 
 def _shows(effect: Effect, experiment: Experiment) -> bool:
-    if experiment.quasi_static and effect.name in _NEED_A_CLOCK:
+    if experiment.quasi_static and effect.needs_clock:
         return False
     compared = experiment.channels
     chamber_follows = 'chamber_pressure' not in experiment.pinned
     if effect.location == 'sensor':
-        return _SENSED[effect.name.split('_')[0]] in compared
+        return effect.reading in compared
     if effect.location == 'stem':
         moves_what_follows = 'mass_flow' in compared and chamber_follows
         return bool({'valve_position', 'chamber_pressure'} & {*compared}) or moves_what_follows
@@ -76,7 +70,7 @@ def free_to_refit(declared: PositionerParameters, experiment: Experiment) -> tup
 
 def _acts(parameter: str, declared: PositionerParameters) -> bool:
     """Tell whether the declared law of flow through the seats knows the parameter."""
-    known_to_one_law = parameter.startswith('booster.critical_pressure_ratio')
+    known_to_one_law = parameter == 'booster.critical_pressure_ratio'
     return not known_to_one_law or declared.booster.orifice_law == ISO_6358
 
 

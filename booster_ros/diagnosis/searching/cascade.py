@@ -65,7 +65,8 @@ def above_the_stem(experiment: Experiment) -> Experiment | None:
 
 def shows_above_the_stem(name: str) -> bool:
     """Tell whether an effect changes the pressure that belongs to a given motion of the stem."""
-    return EFFECTS[name].location in _PLACES or name.startswith('pressure_sensor')
+    effect = EFFECTS[name]
+    return effect.location in _PLACES or effect.reading == 'chamber_pressure'
 
 
 def free_above_the_stem(freedoms: tuple[Free, ...]) -> tuple[Free, ...]:
