@@ -3,6 +3,7 @@
 """Friction that a fit may begin with, wherever an earlier fit had got stuck."""
 
 from made_diagnosis import NOISE
+from made_effect import add_effect
 import numpy as np
 import pytest
 
@@ -12,7 +13,7 @@ from booster_ros.diagnosis.fitting.friction_start import best_friction, each_dam
 from booster_ros.diagnosis.fitting.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.fitting.intervals import interval_of
 from booster_ros.diagnosis.searching.screening import with_effect
-from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
@@ -67,6 +68,16 @@ def test_a_fit_from_there_ends_where_one_from_far_off_does_not_come():
     assert left < 0.7 * missed
     assert abs(stuck.parameters.actuator.coulomb_friction - 380.0) > 50.0
     assert abs(found.parameters.actuator.coulomb_friction - 380.0) < 20.0
+
+
+def test_a_new_shape_of_friction_begins_as_it_typically_is(monkeypatch):
+    add_effect(monkeypatch, 'dry_packing', 'stem',
+               Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3, rubs=True),
+               Knob('actuator.flow_force_decay', 0.7, 0.05, 3.0, 0.3, shape=True))
+    monkeypatch.setattr(Problem, 'cost_through_slips', lambda self, z: float(z @ z))
+    problem = problem_of(RIGID, 'dry_packing')
+    found = problem.parameters(best_friction(problem, problem.start()))
+    assert found.actuator.flow_force_decay == pytest.approx(0.7)
 
 
 def z_of(problem, values):

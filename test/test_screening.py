@@ -4,13 +4,16 @@
 
 from dataclasses import replace
 
+from made_effect import add_effect
 from made_search import P, STEPS, TIME, everywhere, searching, seen, steps_seen
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import put
-from booster_ros.diagnosis.searching.screening import references, screen, strong_frequencies
+from booster_ros.diagnosis.searching.screening import (
+    promise, reference_at, references, screen, strong_frequencies)
+from booster_ros.model.catalogue import Knob
 
 
 def test_frequencies_are_sought_in_the_fitted_rows_alone():
@@ -64,6 +67,32 @@ def test_the_frequency_of_a_ripple_is_that_of_the_clock_where_thinned_rows_are_u
     problem = Problem(thin, everywhere(thin), P, ())
     found = strong_frequencies(problem, problem.start())
     assert np.min(np.abs(found - 0.613)) < 0.2 / time[-1]
+
+
+def promised(plant, effect, frequencies):
+    """Return the parameters at which an effect promises most for the record of a plant."""
+    problem = searching(seen(plant), ()).problem()
+    reference = reference_at(problem, problem.at(problem.start()))
+    found = promise(problem, reference, effect, frequencies)
+    return found.problem.parameters(found.start)
+
+
+def test_a_new_effect_that_repeats_itself_is_tried_at_the_frequencies_that_were_found(monkeypatch):
+    pace = Knob('ep_converter.drift_time_constant', 100.0, 5.0, 2e3, shape=True, frequency=True)
+    size = Knob('ep_converter.drift', 1e3, -3e4, 3e4, clocked=True)
+    add_effect(monkeypatch, 'pulsing', 'ep_converter', pace, size)
+    found = promised(P, 'pulsing', np.array([30.0, 70.0])).ep_converter
+    assert found.drift_time_constant in (pytest.approx(30.0), pytest.approx(70.0))
+
+
+def test_new_friction_is_not_tried_without_as_much_of_what_slides(monkeypatch):
+    bent = put(P, 'actuator.spring_bend', 300.0)
+    for rubs in (False, True):
+        add_effect(monkeypatch, 'worn_guide', 'stem',
+                   Knob('actuator.flow_force', 500.0, -1e4, 1e4, rubs=rubs),
+                   Knob('actuator.spring_bend', 300.0, -5e3, 5e3))
+        found = promised(bent, 'worn_guide', np.array([0.5])).actuator
+        assert (found.spring_bend == 0.0) == rubs
 
 
 def test_a_ripple_that_stands_still_is_none():

@@ -31,6 +31,9 @@ class Knob:
     shape: bool = False  # a shape parameter means nothing while the size is neutral
     clocked: bool = False  # it acts through time or speeds, which a sweep without a clock lacks
     tried: tuple[float, ...] = ()  # values of a shape with each of which sizes are tried
+    frequency: bool = False  # how often the effect repeats itself, Hz
+    phase: bool = False  # where in its period it begins, rad
+    rubs: bool = False  # friction of a sliding stem, without which the other sizes are none
 
     def to_fit(self, value: float) -> float:
         """Return the fitted variable for a value."""
@@ -72,6 +75,11 @@ class Effect:
         """Whether no size of it acts in a sweep without a clock."""
         return all(knob.clocked for knob in self.knobs if not knob.shape)
 
+    @property
+    def rubs(self) -> bool:
+        """Whether it is friction of the stem."""
+        return any(knob.rubs for knob in self.knobs)
+
 
 def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
             loosens: tuple[str, ...] = (), reading: str = '', orifice_law: int | None = None
@@ -80,6 +88,7 @@ def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
         name, location, knobs, meaning, needs, experiment, source, loosens, reading, orifice_law)
 
 
+_SLIDING = Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3, rubs=True)
 # a packing stiffer than `high` yields less than sensors tell: a rigid one reads the same, and is
 # simulated faster
 _PRESLIDING = Knob('actuator.presliding_stiffness', 1e7, 1e6, 1e8, 0.0, inverse=1, shape=True)
@@ -157,8 +166,8 @@ _ROWS = (
         'rests longer than its period', 'log the supply pressure at rest',
         'sinusoidal or saw-toothed supply pressure',
         Knob('supply.ripple', 2e3, 0.0, 1e5, clocked=True),
-        Knob('supply.ripple_frequency', 0.5, 0.003, 20.0, 0.5, shape=True),
-        Knob('supply.ripple_phase', 0.0, -7.0, 7.0, shape=True),
+        Knob('supply.ripple_frequency', 0.5, 0.003, 20.0, 0.5, shape=True, frequency=True),
+        Knob('supply.ripple_phase', 0.0, -7.0, 7.0, shape=True, phase=True),
         Knob('supply.ripple_skew', 0.0, -0.95, 0.95, shape=True)),
     _effect(
         'tubing_restriction', 'tubing', 'tube and fittings throttle between booster and actuator',
@@ -190,7 +199,7 @@ _ROWS = (
         'stem_friction', 'stem', 'packing friction: the stem sticks and slips',
         'reversals', 'slow triangle: two parallel lines in position over pressure; dither '
         'narrows them', 'B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083',
-        Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
+        _SLIDING,
         Knob('actuator.stiction', 100.0, 0.0, 3e3, clocked=True),
         _PRESLIDING, _PRESLIDING_DAMPING,
         Knob('actuator.stribeck_velocity', 1e-3, 3e-4, 1e-2, 1e-3, shape=True, clocked=True)),
@@ -198,7 +207,7 @@ _ROWS = (
         'position_dependent_friction', 'stem', 'friction differs along the travel (bent stem)',
         'reversals at several positions', 'valve signature over the full travel',
         'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f8',
-        Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3),
+        _SLIDING,
         Knob('actuator.friction_gradient', 300.0, -6e3, 6e3),
         _PRESLIDING, _PRESLIDING_DAMPING),
     _effect(

@@ -18,6 +18,7 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.proportion import proportion
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.model.actuator import is_rigid
+from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
 
@@ -47,22 +48,25 @@ def best_friction(problem: Problem, z: Array) -> Array:
     And with the start as given, as it had bent itself to the earlier friction. Return z itself
     where no friction is free.
     """
-    if all(free.knob.parameter != 'actuator.coulomb_friction' for free in problem.freedoms):
+    if not any(free.knob.rubs for free in problem.freedoms):
         return z
     low, high = problem.bounds()
+    shapes = {knob.parameter for effect in EFFECTS.values() if effect.rubs
+              for knob in effect.knobs if knob.shape}
 
     def placed(trial: _Trial) -> Array:
         sliding, share, yields = trial
-        values = {'actuator.coulomb_friction': sliding, 'actuator.stiction': share * sliding}
         moved = z.copy()
         moved[len(problem.freedoms):] = 0.0
         for j, free in enumerate(problem.freedoms):
             name = free.knob.parameter
-            if name in values:
-                moved[j] = free.variable(values[name])
+            if free.knob.rubs:
+                moved[j] = free.variable(sliding)
+            elif name == 'actuator.stiction':
+                moved[j] = free.variable(share * sliding)
             elif name == 'actuator.presliding_stiffness':
                 moved[j] = free.variable(free.knob.typical if yields else 0.0)
-            elif name in ('actuator.presliding_damping', 'actuator.stribeck_velocity'):
+            elif name in shapes:
                 moved[j] = free.variable(free.knob.typical)
         return np.clip(moved, low, high)
 

@@ -111,14 +111,14 @@ def _no_size(free: tuple[Free, ...]) -> Array:
 def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[float, ...]
                   ) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
-    if any(f.knob.parameter == 'supply.ripple_frequency' for f in free):
+    if any(f.knob.frequency for f in free):
         return _oscillations(free, frequencies)
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
     steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
     if len(sizes) == 2 and len(multiples) > 1:
         moves += [dict(zip(sizes, pair)) for pair in itertools.product(multiples, repeat=2)]
-    rubs = [j for j in sizes if free[j].knob.parameter == 'actuator.coulomb_friction']
+    rubs = [j for j in sizes if free[j].knob.rubs]
     # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
     # simulate
     moves = [move for move in moves
@@ -142,17 +142,17 @@ def _shapes_to_try(free: tuple[Free, ...]) -> list[Array]:
 
 def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
     """Return trials of an oscillation: the residual's strongest frequencies, four phases."""
-    names = [f.knob.parameter for f in free]
     trials = []
-    for frequency in frequencies:
-        for phase in (0.0, 1.571, 3.142, -1.571):
-            e = _no_size(free)
-            e[names.index('supply.ripple')] = 0.5
-            e[names.index('supply.ripple_frequency')] = free[
-                names.index('supply.ripple_frequency')].variable(frequency)
-            e[names.index('supply.ripple_phase')] = free[
-                names.index('supply.ripple_phase')].variable(phase)
-            trials.append(e)
+    for frequency, phase in itertools.product(frequencies, (0.0, 1.571, 3.142, -1.571)):
+        e = _no_size(free)
+        for j, f in enumerate(free):
+            if f.knob.frequency:
+                e[j] = f.variable(frequency)
+            elif f.knob.phase:
+                e[j] = f.variable(phase)
+            elif not f.knob.shape:
+                e[j] += 0.5
+        trials.append(e)
     return trials
 
 
