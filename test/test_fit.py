@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """A fit: the state in which it begins, and what it leaves of a size that no row shows."""
 
+from made_effect import add_effect
 from made_search import CURRENT, P, TIME, everywhere, searching, seen, standing_at
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fitting.fit import START, Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.fitting.freedom import declared_freedom, possible_departures, put
 from booster_ros.diagnosis.fitting.intervals import interval_of
 from booster_ros.diagnosis.searching.screening import with_effect
-from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
 
@@ -50,6 +51,18 @@ def test_a_start_without_play_warmth_or_past_costs_no_simulation_and_stays_free_
     places = problem.at(problem.start()).jacobian[:, -4:]
     assert np.count_nonzero(places) == 4
     assert np.abs(places[-4:]) == pytest.approx(np.diag(1.0 / START[-4:]))
+
+
+def test_what_may_be_off_at_the_start_goes_with_the_sizes_of_effects(monkeypatch):
+    assert possible_departures(P) == set()
+    assert possible_departures(put(P, 'ep_converter.hysteresis', 1e-6)) == {'ep_play'}
+    leaking = put(P, 'actuator.leak_area', 1e-8)
+    assert possible_departures(leaking) == set()
+    knob = Knob('actuator.leak_area', 5e-8, 0.0, 1e-6, departs='temperature')
+    add_effect(monkeypatch, 'draught', 'chamber', knob)
+    assert possible_departures(leaking) == {'temperature'}
+    named = {knob.departs for effect in EFFECTS.values() for knob in effect.knobs} - {''}
+    assert named < set(Departure._fields)
 
 
 def test_play_of_the_position_reading_starts_where_it_was_left():

@@ -34,6 +34,7 @@ class Knob:
     frequency: bool = False  # how often the effect repeats itself, Hz
     phase: bool = False  # where in its period it begins, rad
     rubs: bool = False  # friction of a sliding stem, without which the other sizes are none
+    departs: str = ''  # what may be off at the start only with this size: a field of `Departure`
 
     def to_fit(self, value: float) -> float:
         """Return the fitted variable for a value."""
@@ -101,7 +102,7 @@ _ROWS = (
         'reversals of the current', 'slow triangle with the back pressure recorded: the loop '
         'stands in back pressure over current',
         'play operator: A. Visintin, Differential Models of Hysteresis, 1994',
-        Knob('ep_converter.hysteresis', 2e-6, 0.0, 4e-5)),
+        Knob('ep_converter.hysteresis', 2e-6, 0.0, 4e-5, departs='ep_play')),
     _effect(
         'ep_drift', 'ep_converter', 'the back pressure shifts with time (coil heating)',
         'minutes of record', 'repeat one step after an hour: the settled pressure has moved',
@@ -190,7 +191,7 @@ _ROWS = (
         'heat_transfer', 'chamber', 'the air warms when compressed and cools at the wall',
         'fast fills followed by rests', 'blocked stem, fast fill, then isolate: the pressure '
         'relaxes to a plateau', 'first law for an ideal gas with heat through the wall',
-        Knob('actuator.thermal_resistance', 0.3, 0.0, 20.0, clocked=True)),
+        Knob('actuator.thermal_resistance', 0.3, 0.0, 20.0, clocked=True, departs='temperature')),
     _effect(
         'dead_volume_change', 'chamber', 'the chamber is larger or smaller than declared',
         'steps below and above the bench set', 'blocked-stem fills with a known volume added',
@@ -244,7 +245,7 @@ _ROWS = (
         'position_backlash', 'sensor', 'lost motion in the feedback linkage',
         'reversals', 'a second position sensor on the stem',
         'play operator; M. Bartys et al. (2006), f15',
-        Knob('sensors.position_backlash', 1e-4, 0.0, 5e-3),
+        Knob('sensors.position_backlash', 1e-4, 0.0, 5e-3, departs='position_play'),
         reading='valve_position'),
     _effect(
         'position_sensor_lag', 'sensor', 'the position reading comes late', 'steps',

@@ -19,7 +19,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.descent import CONVERGED, Residuals, descend
-from booster_ros.diagnosis.fitting.freedom import BENCH, Free, put
+from booster_ros.diagnosis.fitting.freedom import BENCH, Free, possible_departures, put
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.diagnosis.fitting.slips import Windows
 from booster_ros.model.actuator import has_dry_friction
@@ -240,9 +240,11 @@ class Problem:
         if not self.nuisances:
             return []
         p = self.parameters(z)
-        sizes = (p.ep_converter.hysteresis, p.sensors.position_backlash,
-                 p.actuator.thermal_resistance, float(remembers(p.discrepancy)))
-        return [len(self.freedoms) + k for k, size in enumerate(sizes, 2) if size <= 0.0]
+        matter = possible_departures(p) | {'back_pressure'}
+        if remembers(p.discrepancy):
+            matter.add('past')
+        first = len(self.freedoms) + 1  # behind the chamber's pressure
+        return [j for j, name in enumerate(Departure._fields, first) if name not in matter]
 
     def idle(self, variables: Iterable[int], z: Array) -> set[int]:
         """Return those on which nothing seen at z depends: without a size no shape matters."""

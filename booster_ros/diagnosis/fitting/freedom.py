@@ -8,7 +8,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment
 from booster_ros.diagnosis.fitting.proportion import PAPER, in_proportion
-from booster_ros.model.catalogue import Effect, Knob
+from booster_ros.model.catalogue import EFFECTS, Effect, Knob
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 
@@ -94,6 +94,12 @@ def get(p: PositionerParameters, name: str, element: int | None = None) -> float
     component, attribute = name.split('.')
     value = getattr(getattr(p, component), attribute)
     return float(value if element is None else value[element])
+
+
+def possible_departures(p: PositionerParameters) -> set[str]:
+    """Return what may be off at the start by the sizes of effects, as fields of `Departure`."""
+    return {knob.departs for effect in EFFECTS.values() for knob in effect.knobs
+            if knob.departs and get(p, knob.parameter) > 0.0}
 
 
 # Relative and absolute (SI) spread within which a declared parameter may be off, and element of a
