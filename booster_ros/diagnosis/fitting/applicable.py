@@ -11,7 +11,7 @@ costs time and invites coincidences: in a sweep a lag looks like friction.
 import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment
-from booster_ros.diagnosis.fitting.freedom import Free, declared_freedom
+from booster_ros.diagnosis.fitting.freedom import OF_THE_CHAMBER, Free, declared_freedom
 from booster_ros.model.catalogue import EFFECTS, Effect
 from booster_ros.model.gas import ISO_6358
 from booster_ros.model.system import PositionerParameters
@@ -84,5 +84,5 @@ def matters(parameter: str, experiment: Experiment) -> bool:
     if component == 'ep_converter' and 'back_pressure' in experiment.pinned:
         return False
     if 'chamber_pressure' in experiment.pinned and not experiment.is_flow_bench:
-        return component == 'actuator' and parameter != 'actuator.dead_volume'
+        return component == 'actuator' and parameter not in OF_THE_CHAMBER
     return True

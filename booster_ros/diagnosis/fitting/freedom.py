@@ -126,6 +126,9 @@ TOLD_AT_REST = frozenset((
     'actuator.stop_stiffness'))
 """Declared parameters that settled pressures and positions depend on."""
 
+OF_THE_CHAMBER = frozenset(('actuator.dead_volume',))
+"""Declared parameters of the actuator that belong to its chamber; the others, to its stem."""
+
 BENCH = ('booster.opening_gain', 'booster.max_area')
 """What a flow bench is there to measure: beside its flows nothing known of these two counts."""
 

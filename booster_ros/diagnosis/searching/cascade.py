@@ -15,7 +15,7 @@ from scipy.signal import savgol_filter
 
 from booster_ros.diagnosis.experiment.experiment import Experiment
 from booster_ros.diagnosis.fitting.fit import Fit
-from booster_ros.diagnosis.fitting.freedom import Free
+from booster_ros.diagnosis.fitting.freedom import OF_THE_CHAMBER, Free
 from booster_ros.diagnosis.fitting.friction_start import best_friction
 from booster_ros.diagnosis.searching.candidate import Candidate
 from booster_ros.diagnosis.searching.search import EVALUATIONS, Search, as_given, carried
@@ -33,7 +33,6 @@ THINNING = 3
 together than a current that stands."""
 
 _PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
-_PARAMETERS = ('actuator.dead_volume',)
 _IMITATES = 'actuator.viscous_friction'
 
 
@@ -71,7 +70,7 @@ def shows_above_the_stem(name: str) -> bool:
 
 def free_above_the_stem(freedoms: tuple[Free, ...]) -> tuple[Free, ...]:
     """Return the declared parameters that matter above the stem."""
-    return tuple(free for free in freedoms if free.knob.parameter in _PARAMETERS
+    return tuple(free for free in freedoms if free.knob.parameter in OF_THE_CHAMBER
                  or free.knob.parameter.split('.')[0] in _PLACES)
 
 
