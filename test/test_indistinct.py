@@ -12,7 +12,7 @@ from booster_ros.diagnosis.experiment.segments import split
 from booster_ros.diagnosis.fitting.applicable import applicable
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
 from booster_ros.diagnosis.searching.candidate import UNLIKELY
-from booster_ros.diagnosis.searching.indistinct import alike
+from booster_ros.diagnosis.searching.indistinct import substitutes
 from booster_ros.diagnosis.searching.next_effect import CLOSE, _Begun, _bring_to_equal_terms
 from booster_ros.diagnosis.searching.rematch import NEAR, _from_the_end_of, rematch
 from booster_ros.diagnosis.searching.screening import references, screen
@@ -60,7 +60,7 @@ OTHERS = ('exhaust_seat_leak', 'opening_nonlinearity', 'spring_nonlinearity', 'e
 def places_of(search, chosen, others=OTHERS):
     """Return what other effects would cost in the place of the one that was chosen."""
     problem = search.on(chosen.problem, ('fit', 'select'), 1)
-    found = alike(problem, problem.at(chosen.fit.z), chosen.effects[0], (), others)
+    found = substitutes(problem, problem.at(chosen.fit.z), chosen.effects[0], (), others)
     return {one.effect: one.cost for one in found}
 
 
@@ -76,7 +76,8 @@ def test_how_a_record_starts_tells_no_two_leaks_apart(leaking):
     problem = search.on(chosen.problem, ('fit', 'select'), 1)
     unsettled = chosen.fit.z.copy()
     unsettled[len(problem.freedoms) + 1] += 16.0  # 8 kPa
-    (other,) = alike(problem, problem.at(unsettled), 'chamber_leak', (), ('exhaust_seat_leak',))
+    (other,) = substitutes(
+        problem, problem.at(unsettled), 'chamber_leak', (), ('exhaust_seat_leak',))
     assert abs(other.cost) < 1.0
 
 

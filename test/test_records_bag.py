@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from booster_ros.records import RecordError, read_record
 from booster_ros.records.bag_writer import STORAGE, BagWriter
-from booster_ros.records.time_base import Signal, carried, merge
+from booster_ros.records.time_base import Signal, merge, to_nearest_rows
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 START = 1_700_000_000_000_000_000
@@ -177,7 +177,7 @@ def test_of_two_samples_in_one_row_the_nearer_counts():
     for late in (0.001, -0.001):  # the nearer one comes first, or last
         at = np.sort(np.concatenate([time - 0.003 * np.sign(late), time + late]))
         values = np.where(np.isin(at, time + late), 1.0, 0.0)
-        assert carried(Signal('/p', at, values), time)[2:-2] == pytest.approx(1.0)
+        assert to_nearest_rows(Signal('/p', at, values), time)[2:-2] == pytest.approx(1.0)
 
 
 def test_a_signal_has_no_rows_in_its_gap(tmp_path):

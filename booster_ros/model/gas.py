@@ -103,11 +103,11 @@ def orifice_flow(
     return -CHOKED_FLOW_FACTOR * area * pressure_2 / math.sqrt(temperature_2) * psi
 
 
-def carried(flow: float, temperature_1: float, temperature_2: float) -> float:
+def enthalpy_flow(flow: float, temperature_1: float, temperature_2: float) -> float:
     """
     Return q T of a mass flow (kg/s) from side 1 to side 2, K kg/s: it is as warm as its source.
 
-    >>> carried(0.001, 300.0, 400.0), carried(-0.001, 300.0, 400.0)
+    >>> enthalpy_flow(0.001, 300.0, 400.0), enthalpy_flow(-0.001, 300.0, 400.0)
     (0.3, -0.4)
     """
     return flow * (temperature_1 if flow > 0.0 else temperature_2)

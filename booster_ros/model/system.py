@@ -14,7 +14,7 @@ from .booster import (
 from .discrepancy import (
     Discrepancy, behind_play, forgets, has_play, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
-from .gas import ATMOSPHERE, carried
+from .gas import ATMOSPHERE, enthalpy_flow
 from .sensors import Sensors
 from .state import (
     BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, SUPPLY, TEMPERATURE, VELOCITY)
@@ -238,9 +238,10 @@ def derivatives(
     rates[TEMPERATURE] = 0.0
     if p.actuator.thermal_resistance > 0.0:
         # without a tube both seats open into the chamber, and one may leak while the other flows
-        enthalpy = carried(delivered, ambient, gas_temperature) if restricted else (
-            carried(into, ambient, gas_temperature) - carried(out, gas_temperature, ambient))
-        enthalpy -= carried(leaked, gas_temperature, ambient)
+        enthalpy = enthalpy_flow(delivered, ambient, gas_temperature) if restricted else (
+            enthalpy_flow(into, ambient, gas_temperature)
+            - enthalpy_flow(out, gas_temperature, ambient))
+        enthalpy -= enthalpy_flow(leaked, gas_temperature, ambient)
         rates[CHAMBER], rates[TEMPERATURE] = energy_rates(
             p.actuator, chamber, gas_temperature, volume, swept, compliance, enthalpy,
             delivered - leaked, ambient)

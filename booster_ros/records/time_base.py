@@ -47,7 +47,7 @@ def merge(signals: Mapping[str, Signal]) -> tuple[dict[str, Array], Array, list[
             columns[name] = hold(signal, _middles(time))
             how.append(f'{name} holds until its next message')
         else:
-            columns[name] = carried(signal, time)
+            columns[name] = to_nearest_rows(signal, time)
             how.append(f'each sample of {name} counts in the row nearest to it')
     rows = np.arange(1, time.size + 1)
     defects = [Defect('time_base', '', 0, 0, time.size, ', '.join(how))]
@@ -60,7 +60,7 @@ def hold(signal: Signal, time: Array) -> Array:
     return np.where(last >= 0, signal.values[last], np.nan)
 
 
-def carried(signal: Signal, time: Array) -> Array:
+def to_nearest_rows(signal: Signal, time: Array) -> Array:
     """
     Return each sample in the row nearest to it, at that row's time; NaN in rows without one.
 

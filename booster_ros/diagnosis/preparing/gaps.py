@@ -49,7 +49,7 @@ def gaps_that_hide(
     return [slice(max(int(last[row - 1]), 0), int(row)) for row in ends[missed]]
 
 
-def settled(time: Array, gaps: Sequence[slice]) -> Array:
+def past_settling(time: Array, gaps: Sequence[slice]) -> Array:
     """Tell of each row, shape (n,), whether every gap before it ended at least SETTLING ago."""
     rows = np.ones(len(time), dtype=bool)
     for gap in gaps:
@@ -66,7 +66,7 @@ def caught_up(
     The declared model is driven in every gap once with the least that the record has of each drive
     and once with the most. Both runs come to the same only once the chamber has caught up.
     """
-    counts = settled(experiment.time, gaps)
+    counts = past_settling(experiment.time, gaps)
     if not gaps:
         return counts
     hidden = np.zeros(len(counts), dtype=bool)

@@ -31,7 +31,7 @@ _A_FREQUENCY = np.array([0.5])
 
 
 @dataclass(frozen=True)
-class Alike:
+class Substitute:
     """An effect, how much more it would cost than the one it replaces, and where a fit begins."""
 
     effect: str
@@ -40,8 +40,8 @@ class Alike:
     start: Array
 
 
-def alike(problem: Problem, fit: Fit, effect: str, present: tuple[str, ...],
-          others: tuple[str, ...]) -> list[Alike]:
+def substitutes(problem: Problem, fit: Fit, effect: str, present: tuple[str, ...],
+                others: tuple[str, ...]) -> list[Substitute]:
     """
     Return the other effects by how much they would cost in the place of a fitted one, least first.
 
@@ -56,11 +56,11 @@ def alike(problem: Problem, fit: Fit, effect: str, present: tuple[str, ...],
     around = [reference_at(rest, rest.at(fit.z[kept]))]
     departures = problem.cost_of_priors(fit.z)
 
-    def one(name: str) -> Alike:
+    def one(name: str) -> Substitute:
         found = screen(rest, around, name, _A_FREQUENCY)
         start = found.starts[0] if found.starts else fit.z[kept]
         joint = replace(found.problem, experiment=problem.experiment)
-        return Alike(name, found.cost - departures, joint, start)
+        return Substitute(name, found.cost - departures, joint, start)
 
     return sorted(side_by_side(one, others), key=lambda found: found.cost)
 

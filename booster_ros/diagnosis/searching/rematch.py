@@ -34,7 +34,7 @@ from booster_ros.diagnosis.searching.candidate import (
     UNLIKELY, Candidate, best_of_each, plainness, preferred_first)
 from booster_ros.diagnosis.searching.cascade import (
     as_seen_above, fitted_above, shows_above_the_stem)
-from booster_ros.diagnosis.searching.indistinct import alike
+from booster_ros.diagnosis.searching.indistinct import substitutes
 from booster_ros.diagnosis.searching.next_effect import STILL_FAR, redundant
 from booster_ros.diagnosis.searching.search import EVALUATIONS, LAST_EVALUATIONS, Search, carried
 from booster_ros.model.actuator import has_dry_friction
@@ -192,7 +192,7 @@ def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
         rest = tuple(e for e in chosen.effects if e != effect)
         others = tuple(name for name in search.names
                        if name not in chosen.effects and not redundant(name, rest))
-        for one in alike(problem, fit, effect, rest, others):
+        for one in substitutes(problem, fit, effect, rest, others):
             if one.cost < likely:
                 thin = search.on(one.problem, ('fit',), search.thinning)
                 found.append(search.rate(
