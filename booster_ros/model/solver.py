@@ -127,14 +127,71 @@ def _zero_crossing(start: float, slope: float, end: float, end_slope: float) -> 
     return high
 
 
-def _step_to_rest(p, time, current, direction, y, step, explicit, active, count, w) -> float:
-    """Shorten the step so that it ends where a sliding stem stops; the result is in w.trial."""
-    derivatives(p, time, current, direction, w.trial, w.stage_rates)
+def _step_to_rest(p, time, now, current, direction, y, step, explicit, active, count, w) -> float:
+    """
+    Shorten the step so that it ends where a sliding stem stops; the result is in w.trial.
+
+    A stem that would not even get going is stuck over this step, though barely. `time` is that of
+    an implicit step, `now` that of the step that was tried; `count` includes the stem's states.
+    """
+    if y[VELOCITY] * direction <= 0.0:
+        fill_jacobian(p, time, current, 0.0, y, active, count - 2, w)
+        implicit_step(p, time, current, 0.0, y, step, active, count - 2, w)
+        return step
+    derivatives(p, now, current, direction, w.trial, w.stage_rates)
     share = _zero_crossing(
         y[VELOCITY], step * w.rates[VELOCITY], w.trial[VELOCITY], step * w.stage_rates[VELOCITY])
     step = max(share * step, min(step, SHORTEST_EVENT))
-    _try_step(p, time, current, direction, y, step, explicit, active, count, w)
+    _try_step(p, now, current, direction, y, step, explicit, active, count, w)
     return step
+
+
+def _begin_slip(p, time, current, y, memory) -> None:
+    """Remember where to a stuck stem begins to slide, and that it starts in short steps."""
+    memory[DIRECTION] = slip_direction(p, time, current, y)
+    memory[TRIAL_STEP] = FIRST_SLIP_STEP
+    memory[STIFFNESS] = 0.0
+
+
+def _is_explicit(memory, step: float, direction: float, fast: float) -> bool:
+    """
+    Tell whether a step of this length is to be explicit: that of a slip not proved to be stiff.
+
+    `fast` is the longest trial step, s, of a slip in a packing that yields (0: it does not); a
+    longer one ends the slip.
+    """
+    short = memory[TRIAL_STEP] <= fast or (direction != 0.0 and step <= LONGEST_EXPLICIT)
+    if fast > 0.0 and not short:
+        memory[STIFFNESS] = 0.0
+    return short and memory[STIFFNESS] < STIFF_STEPS
+
+
+def _allowed(tolerance: float, step: float, left: float) -> float:
+    """Return the error that a step may have of which `left` s are within the interval."""
+    return tolerance * AHEAD_SHARE if step > left else tolerance
+
+
+def _propose(memory, step: float, smallest: float, cut: bool) -> None:
+    """
+    Remember the length of the next trial step, s.
+
+    A step `cut` short by an event or by the end of the interval says nothing against long ones.
+    """
+    memory[TRIAL_STEP] = max(step, memory[TRIAL_STEP] if cut else smallest)
+
+
+def _take(y, rates_known: bool, w) -> None:
+    """Take `y` to the end of the step, and w.rates as well where the step knows them there."""
+    for i in range(STATES):
+        y[i] = w.trial[i]
+    if rates_known:
+        for i in range(STATES):
+            w.rates[i] = w.stage_rates[i]
+
+
+def _still_left(left: float, passed: float, length: float) -> float:
+    """Return what is left of an interval of `length` s: what rounding leaves is nothing."""
+    return left - passed if left - passed > 1e-12 * length else 0.0
 
 
 def advance(
@@ -164,42 +221,35 @@ def advance(
             if covers(memory, left):
                 go_along(y, memory, left, active, count, w)
                 return
-            gone = finish(y, memory, active, count, w)
-            left = left - gone if left - gone > 1e-12 * length else 0.0
+            left = _still_left(left, finish(y, memory, active, count, w), length)
             rates_known = True
             continue
-        direction = 0.0
+        if dry and memory[DIRECTION] == 0.0 and breakaway_excess(p, time, current, y) > ROUNDING:
+            _begin_slip(p, time, current, y, memory)
+            rates_known = False
+        direction = memory[DIRECTION] if dry else 0.0
+        stuck = dry and direction == 0.0
         moving = count
-        if dry:
-            if memory[DIRECTION] == 0.0 and breakaway_excess(p, time, current, y) > ROUNDING:
-                memory[DIRECTION] = slip_direction(p, time, current, y)
-                memory[TRIAL_STEP] = FIRST_SLIP_STEP
-                memory[STIFFNESS] = 0.0
-                rates_known = False
-            direction = memory[DIRECTION]
-            if direction == 0.0:
-                y[VELOCITY] = 0.0
-                moving = count - 2
+        if stuck:
+            y[VELOCITY] = 0.0
+            moving = count - 2
         if not rates_known:
             derivatives(p, time, current, direction, y, w.rates)
-        step = min(memory[TRIAL_STEP], max(left, longest_ahead))
+        tried = min(memory[TRIAL_STEP], max(left, longest_ahead))
         if direction != 0.0:
-            step = min(step, max(friction_time_scale(p, y, w.rates), smallest))
-        short = memory[TRIAL_STEP] <= fast or (direction != 0.0 and step <= LONGEST_EXPLICIT)
-        if fast > 0.0 and not short:
-            memory[STIFFNESS] = 0.0
-        explicit = short and memory[STIFFNESS] < STIFF_STEPS
+            tried = min(tried, max(friction_time_scale(p, y, w.rates), smallest))
+        explicit = _is_explicit(memory, tried, direction, fast)
         if not explicit:
             fill_jacobian(p, time, current, direction, y, active, moving, w)
         # the explicit method can follow the time (and is slower where the time stands)
         now = time - 0.5 * length + (length - left) if explicit else time
-        tried = step
+        step = tried
         error = _try_step(p, now, current, direction, y, step, explicit, active, moving, w)
-        allowed = tolerance * AHEAD_SHARE if step > left else tolerance
+        allowed = _allowed(tolerance, step, left)
         while not error <= allowed and step > smallest:
             step = max(step * min(_step_factor(error / allowed, explicit), 0.7), smallest)
             error = _try_step(p, now, current, direction, y, step, explicit, active, moving, w)
-            allowed = tolerance * AHEAD_SHARE if step > left else tolerance
+            allowed = _allowed(tolerance, step, left)
         if not error <= LOST * tolerance and not step > smallest:
             if smallest > FINEST_STEP:
                 smallest = memory[TRIAL_STEP] = FINEST_STEP
@@ -215,36 +265,24 @@ def advance(
         if explicit and contraction(active, moving, w) > STIFF:
             memory[STIFFNESS] += 1.0
 
-        landed = False
-        if direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:
-            landed = True
-            if y[VELOCITY] * direction > 0.0:
-                step = _step_to_rest(
-                    p, now, current, direction, y, step, explicit, active, moving, w)
-            else:
-                # the stem would not even get going: it is stuck over this step, though barely
-                fill_jacobian(p, time, current, 0.0, y, active, count - 2, w)
-                implicit_step(p, time, current, 0.0, y, step, active, count - 2, w)
-        elif dry and direction == 0.0 and breakaway_excess(p, time, current, w.trial) > 0.0:
+        lands = direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0
+        if lands:
+            step = _step_to_rest(
+                p, time, now, current, direction, y, step, explicit, active, count, w)
+        elif stuck and breakaway_excess(p, time, current, w.trial) > 0.0:
             step = _step_to_breakaway(p, time, current, y, step, active, moving, w)
 
-        # a step cut short by an event or by the end of the interval says nothing against long ones
-        cut = whole and step < memory[TRIAL_STEP]
-        memory[TRIAL_STEP] = max(proposal, memory[TRIAL_STEP] if cut else smallest)
+        _propose(memory, proposal, smallest, whole and step < memory[TRIAL_STEP])
         if step > left:
-            begin_ahead(p, time, current, direction, y, memory, step, moving < count, w)
+            begin_ahead(p, time, current, direction, y, memory, step, stuck, w)
             continue
-        for i in range(STATES):
-            y[i] = w.trial[i]
-        rates_known = explicit and not landed
-        if rates_known:
-            for i in range(STATES):
-                w.rates[i] = w.stage_rates[i]
-        if landed:
+        rates_known = explicit and not lands
+        _take(y, rates_known, w)
+        if lands:
             y[VELOCITY] = 0.0
             memory[DIRECTION] = 0.0
             memory[TRIAL_STEP] = length  # what was fast has come to rest
-        left = left - step if left - step > 1e-12 * length else 0.0
+        left = _still_left(left, step, length)
 
 
 __all__ = ['Workspace', 'advance', 'new_workspace']
