@@ -3,7 +3,7 @@
 """From a cleaned record to an experiment."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -47,6 +47,28 @@ must not count as something that the model lacks. Sensors resolve far less.
 """
 
 
+@dataclass(frozen=True)
+class _Rows:
+    """
+    The rows of a record that an experiment is made of, by column, SI units.
+
+    `columns` has measured drives filled between their samples, `sampled` has them as they were.
+    `time` counts from the first row, at `begins`, s in the record's clock. `usable` rows have known
+    drives. `left_out` says what of the record is not there, `notes` that and all else.
+    """
+
+    source: str
+    columns: dict[str, Array]
+    sampled: dict[str, Array]
+    role: Roles
+    time: Array
+    begins: float
+    quasi_static: bool
+    usable: Array
+    left_out: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
 def prepare(
     record: Record, declared: PositionerParameters, dwell: float | None = None
 ) -> Experiment:
@@ -57,33 +79,56 @@ def prepare(
     the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
     seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
+    rows = _aligned(record, declared, dwell)
+    experiment = _experiment(rows, declared)
+    if not rows.quasi_static:
+        experiment = _without_gaps(experiment, rows, declared)
+    experiment = _checked(experiment, declared, rows.source)
+    if rows.quasi_static:
+        return experiment
+    experiment = _with_doubt_of_timing(experiment, declared, rows.source)
+    if rows.role.commanded and 'back_pressure' not in rows.columns:
+        experiment = with_start_of_converter(experiment, declared)
+    return _with_noise_of_drives(experiment, declared)
+
+
+def _aligned(record: Record, declared: PositionerParameters, dwell: float | None) -> _Rows:
+    """Return the rows of a record that can be used, their drives known and on one clock."""
     record, idle = _without_idle_command(record)
     needed = roles(record.columns, record.source, record.ignored).compared
     record, sparse = _without_sparse(record, needed)
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
     check_scales(columns, declared, record.source)
-    time = columns.get('time')
-    begins = 0.0
     sampled = {name: columns[name] for name in role.pinned}
-    if time is not None:
-        columns |= {name: _between_samples(time, values) for name, values in sampled.items()}
+    time = columns.get('time')
     quasi_static = time is None
+    begins = 0.0
     if time is None:
         time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
-    elif time[0] != 0.0:  # what warms up or swings does so from where the record begins
-        begins = float(time[0])
-        trimmed = (*trimmed, f'time counted from the first row used, at {begins:.9g} s')
-        time = time - begins
-    gaps = [] if quasi_static else gaps_that_hide(time, columns, role.drives)
-    usable = _usable_rows(time, columns, role, quasi_static)
-    compared = {name: np.where(usable, columns[name], np.nan) for name in role.compared}
-    _check_enough(compared, record.source, *sparse, *trimmed)
-    current = _current(columns, role, quasi_static)
+    else:
+        columns |= {name: _between_samples(time, values) for name, values in sampled.items()}
+        if time[0] != 0.0:  # what warms up or swings does so from where the record begins
+            begins = float(time[0])
+            trimmed = (*trimmed, f'time counted from the first row used, at {begins:.9g} s')
+            time = time - begins
+    return _Rows(
+        source=record.source, columns=columns, sampled=sampled, role=role, time=time,
+        begins=begins, quasi_static=quasi_static,
+        usable=_usable_rows(time, columns, role, quasi_static), left_out=(*sparse, *trimmed),
+        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)))
+
+
+def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
+    """Return the experiment of these rows, with the noise and the start that they show."""
+    columns, role, time = rows.columns, rows.role, rows.time
+    compared = {name: np.where(rows.usable, columns[name], np.nan) for name in role.compared}
+    _check_enough(compared, rows.source, *rows.left_out)
+    current = _current(columns, role, rows.quasi_static)
     pinned = {name: bridged(time, columns[name]) for name in role.pinned}
-    rests = [] if quasi_static else rests_of(time, [current, *pinned.values()])
+    rests = [] if rows.quasi_static else rests_of(time, [current, *pinned.values()])
     noise = _noise(columns, rests)
-    experiment = Experiment(
+    return Experiment(
         time=time,
         current=current,
         measured=compared,
@@ -91,41 +136,53 @@ def prepare(
         pinned=pinned,
         initial=start_state({name: values if np.isfinite(values[0]) else _between_samples(
             columns.get('time'), values) for name, values in columns.items()}, declared, noise),
-        drive_noise={} if quasi_static else {
-            name: _drive_noise(name, values, rests) for name, values in sampled.items()},
-        quasi_static=quasi_static,
-        begins=begins,
-        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static),
-               *_rest_notes(rests, quasi_static)),
+        drive_noise={} if rows.quasi_static else {
+            name: _drive_noise(name, values, rests) for name, values in rows.sampled.items()},
+        quasi_static=rows.quasi_static,
+        begins=rows.begins,
+        notes=(*rows.notes, *_rest_notes(rests, rows.quasi_static)),
     )
-    if not quasi_static:
-        usable &= caught_up(experiment, declared, gaps)
-        compared = {name: np.where(usable, values, np.nan) for name, values in compared.items()}
-        left_out = _gap_notes(usable, role)
-        _check_enough(compared, record.source, *left_out)
-        experiment = replace(
-            experiment, measured=compared, notes=(*experiment.notes, *left_out))
-    check_drive(experiment, declared, record.source)
-    check_bench(experiment, declared, record.source)
-    if not quasi_static:
-        check_clock(experiment, declared, record.source)
-    check_pressures(experiment, declared, record.source)
-    check_current(experiment, declared, record.source)
-    check_direction(experiment, declared, record.source)
-    experiment = without_stuck(experiment, declared, record.source)
-    experiment = replace(experiment, notes=(
-        *experiment.notes, *_still_notes(experiment.measured)))
-    if quasi_static:
-        return experiment
+
+
+def _without_gaps(experiment: Experiment, rows: _Rows, declared: PositionerParameters
+                  ) -> Experiment:
+    """Return the experiment without the rows that show what went on in gaps of its drives."""
+    gaps = gaps_that_hide(rows.time, rows.columns, rows.role.drives)
+    usable = rows.usable & caught_up(experiment, declared, gaps)
+    compared = {name: np.where(usable, values, np.nan)
+                for name, values in experiment.measured.items()}
+    left_out = _gap_notes(usable, rows.role)
+    _check_enough(compared, rows.source, *left_out)
+    return replace(experiment, measured=compared, notes=(*experiment.notes, *left_out))
+
+
+def _checked(experiment: Experiment, declared: PositionerParameters, source: str) -> Experiment:
+    """
+    Return the experiment without channels that are stuck, those that stand still noted.
+
+    RecordError where its values cannot be of this valve.
+    """
+    check_drive(experiment, declared, source)
+    check_bench(experiment, declared, source)
+    if not experiment.quasi_static:
+        check_clock(experiment, declared, source)
+    check_pressures(experiment, declared, source)
+    check_current(experiment, declared, source)
+    check_direction(experiment, declared, source)
+    experiment = without_stuck(experiment, declared, source)
+    return replace(experiment, notes=(*experiment.notes, *_still_notes(experiment.measured)))
+
+
+def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters, source: str
+                          ) -> Experiment:
+    """Return the experiment with what is not known of when its commands were given."""
     told = with_sampled_commands(experiment, declared)
     if told is not experiment:
-        _check_enough(told.measured, record.source, *told.notes[-1:])
-        experiment = told
-    elif commands_may_be_late(experiment):
-        experiment = with_noise_of_timing(experiment, declared)
-    if role.commanded and 'back_pressure' not in columns:
-        experiment = with_start_of_converter(experiment, declared)
-    return _with_noise_of_drives(experiment, declared)
+        _check_enough(told.measured, source, *told.notes[-1:])
+        return told
+    if commands_may_be_late(experiment):
+        return with_noise_of_timing(experiment, declared)
+    return experiment
 
 
 def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
