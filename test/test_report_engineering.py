@@ -4,7 +4,7 @@
 
 import pytest
 
-from booster_ros.report.engineering import digits_apart, number, scale_of, si_text, side_by_side
+from booster_ros.report.engineering import digits_apart, number, scale_of, si_text, common_scale
 
 
 @pytest.mark.parametrize(('value', 'digits', 'text'), [
@@ -34,7 +34,7 @@ def test_units_are_those_of_the_plant_beside_those_of_physics(value, unit, peopl
     ('m', (float('nan'),), ('– mm',)),
 ])
 def test_values_that_are_compared_have_one_unit(unit, values, read):
-    assert tuple(side_by_side(unit, values).text(value) for value in values) == read
+    assert tuple(common_scale(unit, values).text(value) for value in values) == read
 
 
 def test_the_ends_of_a_narrow_interval_look_different():

@@ -47,7 +47,7 @@ def scale_of(unit: str) -> Scale:
     return _SCALES.get(unit, Scale(unit, 1.0))
 
 
-def side_by_side(unit: str, values: Iterable[float]) -> Scale:
+def common_scale(unit: str, values: Iterable[float]) -> Scale:
     """Return the one unit in which people compare all of these values, which are in SI."""
     sizes = [abs(value) for value in values if math.isfinite(value) and value != 0.0]
     if sizes and unit == 'm' and min(sizes) < _SMALL_LENGTH and max(sizes) < _READ_IN_MICROMETRES:

@@ -10,7 +10,7 @@ import numpy as np
 from booster_ros.diagnosis.experiment.segments import rows_of
 from booster_ros.diagnosis.result import AS_GOOD_AS_MEASURED, ChannelError, Diagnosis
 from booster_ros.model.actuator import has_dry_friction
-from booster_ros.report.engineering import Scale, digits_apart, number, side_by_side
+from booster_ros.report.engineering import Scale, digits_apart, number, common_scale
 from booster_ros.report.names import channel_label, channel_listing, listing
 
 WORSE = 1.05
@@ -30,7 +30,7 @@ FEW = 25
 
 def error_scale(error: ChannelError) -> Scale:
     """Return the unit in which a channel's errors and its noise are read side by side."""
-    return side_by_side(error.unit, (error.declared, error.before, error.after, error.noise))
+    return common_scale(error.unit, (error.declared, error.before, error.after, error.noise))
 
 
 def scored(errors: Mapping[str, ChannelError]) -> dict[str, ChannelError]:
@@ -109,7 +109,7 @@ def sentences_on_tolerances(diagnosis: Diagnosis) -> list[str]:
            f'{scale.text(one.given, digits)} ({number(abs(one.away_before), 2)} times its '
            'tolerance)'
            for one in diagnosis.refitted if abs(one.away_before) > FAR_OFF
-           for scale in [side_by_side(one.unit, (one.before, one.given))]
+           for scale in [common_scale(one.unit, (one.before, one.given))]
            for digits in [digits_apart(one.before, one.given)]]
     if not off:
         return []
@@ -172,7 +172,7 @@ def _with_values(errors: Mapping[str, ChannelError], diagnosis: Diagnosis) -> st
     changes = [f'{name} at {scale.text(value, digits)} instead of {scale.text(after, digits)}'
                for name, value in values.items() if name in now and math.isfinite(value)
                for after in [now[name].after]
-               for scale in [side_by_side(now[name].unit, (value, after))]
+               for scale in [common_scale(now[name].unit, (value, after))]
                for digits in [digits_apart(value, after)]]
     return f', with {listing(changes)}' if changes else ''
 

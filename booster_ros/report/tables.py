@@ -10,7 +10,7 @@ from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Refitted, Suspect)
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.report.engineering import (
-    Scale, digits_apart, interval_text, number, scale_of, si_scale, si_text, side_by_side)
+    Scale, digits_apart, interval_text, number, scale_of, si_scale, si_text, common_scale)
 from booster_ros.report.markup import cell, number_cell, row, table
 from booster_ros.report.errors import error_scale
 from booster_ros.report.names import channel_label, effect_label
@@ -48,7 +48,7 @@ def effect_table(effect: FoundEffect) -> str:
     rows = []
     for name, interval in effect.parameters.items():
         ends = interval.low, interval.high
-        scale = side_by_side(interval.unit, (interval.value, *ends))
+        scale = common_scale(interval.unit, (interval.value, *ends))
         digits = digits_apart(*ends)
         text, physics = (interval_text(each, *ends, digits, interval.open_above)
                          for each in (scale, si_scale(interval.unit)))

@@ -3,7 +3,7 @@
 """A term without a name in sentences: what it is, what else it may be, what would show it."""
 
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
-from booster_ros.report.engineering import number, scale_of, side_by_side
+from booster_ros.report.engineering import number, scale_of, common_scale
 from booster_ros.report.errors import unseen
 from booster_ros.report.names import (
     channel_label, effect_label, listing, place_label, positive_is)
@@ -72,7 +72,7 @@ def sentences_on_refused(refused: Refused, diagnosis: Diagnosis) -> list[str]:
     for name, error in refused.error.items():
         channel = diagnosis.held_out[name]
         before = channel.before
-        scale = side_by_side(channel.unit, (before, error))
+        scale = common_scale(channel.unit, (before, error))
         changes.append(f'{channel_label(name)} from {scale.text(before)} to {scale.text(error)}')
     goes = f'the error goes with it in {listing(changes)}' if changes else (
         'the model does not come to the end with it')

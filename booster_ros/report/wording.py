@@ -6,7 +6,7 @@ import numpy as np
 
 from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.report.engineering import digits_apart, number, side_by_side
+from booster_ros.report.engineering import digits_apart, number, common_scale
 from booster_ros.report.errors import (
     judged, left_in, meets_all, nothing_unforeseen, reaches_noise, scored, sentence_on_misses,
     sentences_on_gain, sentences_on_left_open, sentences_on_other_record, sentences_on_rest,
@@ -110,7 +110,7 @@ def _sentence_on_moved(change: Change) -> str:
                      f'{scale.text(one.after, digits)} '
                      f'({number(np.sqrt(one.left), 2)} times the noise left)'
                      for one in change.moved
-                     for scale in [side_by_side(one.unit, (one.before, one.after))]
+                     for scale in [common_scale(one.unit, (one.before, one.after))]
                      for digits in [digits_apart(one.before, one.after)]], 'or')
     several = '; more than one has changed' if change.moved[0].left > SEVERAL else ''
     return ('The declared model is enough for both parts, with other parameters. Changed alone, '
