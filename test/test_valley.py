@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from made_diagnosis import diagnosis_of, timed_columns
-from made_search import P, TIME, seen
+from made_search import CURRENT, P, START_PRESSURE, TIME, seen
 import numpy as np
 import pytest
 
@@ -17,11 +17,14 @@ from booster_ros.diagnosis.fitting.valley import at_the_bottom, slopes_along_axe
 from booster_ros.diagnosis.result import FoundEffect, either
 from booster_ros.diagnosis.searching.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.simulation import simulate
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
 
 FROM = Provenance('valve.csv', 'positioner.yaml')
 NAMES = ('ep_converter.offset', 'booster.intake_preload', 'booster.exhaust_preload')
+NOISE = {'chamber_pressure': 5.0, 'valve_position': 1e-7}
+"""As little as any channel is held to have."""
 PER_PASCAL = P.booster.s1
 """Newton by which the one preload has to rise, the other to fall, for a pascal of offset."""
 
@@ -131,6 +134,22 @@ def test_beside_a_bound_an_interval_holds_what_the_rows_hardly_notice(one_at_its
         moved = problem.freedoms[j].value(fit.z[j] - along_the_valley(problem)[j])
         found = interval_of(problem, draws, fit, j)
         assert found.low < moved < found.high
+
+
+def test_with_next_to_no_noise_sizes_that_trade_stand_as_their_sum_does():
+    """Either may be none beside the offset; their sum is known a million times better."""
+    experiment = seen(P._replace(booster=P.booster._replace(intake_preload=0.06)))
+    exact = simulate(P._replace(booster=P.booster._replace(intake_preload=0.06)), TIME, CURRENT,
+                     {'chamber_pressure': START_PRESSURE})
+    quiet = replace(experiment, measured={name: exact[f'measured_{name}'] for name in NOISE},
+                    noise=NOISE)
+    problem = with_effect(Problem(quiet, np.ones(len(TIME), dtype=bool), P,
+                                  tuple(declared_freedom(P, quiet))), EFFECTS['booster_dead_band'])
+    z = problem.start()
+    z[places(problem)[1]] = problem.freedoms[places(problem)[1]].variable(0.06)
+    fit = at_the_bottom(problem, problem.at(z))
+    draws = block_bootstrap(problem, fit, (TIME // 2.5).astype(int))
+    assert undetermined(problem, draws, fit, 'booster_dead_band') == ''
 
 
 @pytest.mark.parametrize(('lowest', 'said'), [(0.0, True), (0.01, False)])

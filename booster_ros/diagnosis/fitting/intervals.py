@@ -43,6 +43,9 @@ NOTICED = 3.84
 
 HALVINGS = 12
 
+FLAT = 1e-12
+"""Length of an axis of draws, relative to the longest, below which it is rounding."""
+
 AT_BOUND = 1e-2
 """Distance of a size from its bound, relative to its range, below which it has run into it."""
 
@@ -161,12 +164,14 @@ def _held_back(hessian: Array, gradient: Array, room: Array) -> Array:
     A size at its bound would go on beyond it, and all else with it. Draws around where it would
     go say that it is none with certainty; around where it has to stay, how much it may be.
     """
-    root = np.linalg.cholesky(hessian)
-    aim = -np.linalg.solve(root, gradient)
-    free = np.linalg.solve(root.T, aim)
+    # of a record with next to no noise, rounding leaves less of the flattest axes than the ridge
+    squares, axes = np.linalg.eigh(hessian)
+    lengths = np.sqrt(np.maximum(squares, 1.0 / WIDEST**2))
+    aim = -(axes.T @ gradient) / lengths
+    free = axes @ (aim / lengths)
     if np.all((room[0] <= free) & (free <= room[1])):
         return np.zeros(len(free))
-    return np.asarray(lsq_linear(root.T, aim, (room[0], room[1])).x - free)
+    return np.asarray(lsq_linear(lengths[:, None] * axes.T, aim, (room[0], room[1])).x - free)
 
 
 def _labels(problem: Problem, of_row: Array) -> Array:
@@ -297,10 +302,12 @@ def traded(problem: Problem, fit: Fit, effect: str) -> list[str]:
 def _holds_zero(draws: Array, best: Array) -> bool:
     """Tell whether zero is in the ellipsoid of 95 % of the draws, around their mean or the best."""
     mean = draws.mean(axis=0)
-    shape = np.linalg.pinv(np.atleast_2d(np.cov(draws, rowvar=False)), rcond=1e-9, hermitian=True)
+    # not from their covariance: of sizes that trade, the sum may be known a million times better
+    _, lengths, axes = np.linalg.svd(draws - mean, full_matrices=False)
+    told = lengths > FLAT * lengths[0]
 
     def distance(x: Array) -> Array:
-        return np.einsum('...i,ij,...j->...', x, shape, x)
+        return np.sum((x @ axes[told].T / lengths[told])**2, axis=-1)
 
     widest = np.quantile(distance(draws - mean), LEVEL)
     return bool(min(distance(mean), distance(best)) <= widest)
