@@ -35,9 +35,10 @@ def coefficient_and_level(
     """
     Return the coefficient and the level of the noise in pieces, shape (pieces, rows).
 
-    `curves`, shape (rows, curves), are what else there may be in each piece, orthonormal.
-    `rounded` is the variance of rounding, `among` the ends between which the coefficient is
-    looked for. The level is the standard deviation without rounding, in the unit of the pieces.
+    `curves`, shape (rows, curves), are what else there may have been in each piece, orthonormal;
+    the pieces are what they leave (`without`). `rounded` is the variance of rounding, `among` the
+    ends between which the coefficient is looked for. The level is the standard deviation without
+    rounding, in the unit of the pieces.
     """
     low, high = among
     for _ in range(2):  # all of the posterior, then where it is
@@ -60,21 +61,25 @@ def left_by(coefficient: float, curves: Array, lags: int) -> Array:
     `curves` as in `coefficient_and_level`.
     """
     rows = len(curves)
-    removed = np.eye(rows) - curves @ curves.T
+    removed = without(np.eye(rows), curves)
     covariance = removed @ toeplitz(coefficient ** np.arange(rows)) @ removed
     return np.array([np.trace(covariance, lag) for lag in range(lags)]) / rows
+
+
+def without(pieces: Array, curves: Array) -> Array:
+    """Return what is left of pieces, shape (pieces, rows), when the best curves are taken off."""
+    return pieces - (pieces @ curves) @ curves.T
 
 
 def _restricted(pieces: Array, curves: Array, rounded: float, tried: Array
                 ) -> tuple[Array, Array]:
     """Return log likelihood and level for each coefficient tried, shape (coefficients,) each."""
     rows, parts = curves.shape
-    left = pieces - (pieces @ curves) @ curves.T
-    removed = np.eye(rows) - curves @ curves.T
+    removed = without(np.eye(rows), curves)
     by_lag = np.array([np.trace(removed, lag) for lag in range(rows)]) / rows
-    variance = max(np.mean(left**2) - rounded * by_lag[0], 1e-30) / (
+    variance = max(np.mean(pieces**2) - rounded * by_lag[0], 1e-30) / (
         2.0 * np.polynomial.polynomial.polyval(tried, by_lag) - by_lag[0])
-    squares, logarithm = _innovations(left, curves, tried, rounded / variance)
+    squares, logarithm = _innovations(pieces, curves, tried, rounded / variance)
     degrees = len(pieces) * (rows - parts)
     return (-0.5 * (degrees * np.log(squares) + len(pieces) * logarithm),
             np.sqrt(squares / degrees))

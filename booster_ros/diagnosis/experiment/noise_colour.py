@@ -5,11 +5,10 @@ The colour of the measurement noise: how much of it carries over from one row to
 
 The colour is taken where every drive has stood still for long enough, in pieces of about a second
 with a cubic removed from each, never from residuals of a fit: what moves slower than a piece is
-the valve, what is faster is noise. The noise is a first-order autoregression. Its coefficient is
-the one that would give, with the same cubics removed, the lag-one share that was seen. Noise is
-white, of the level that high-frequency differences give, in each of these cases: there are no
-rests; that share is small or no more than chance; the further lags do not fade as it says (a
-ripple); what is new in each row is heavy-tailed (a valve that hunts goes in slips); most pieces
+the valve, what is faster is noise. The noise is a first-order autoregression (`autoregression`).
+Noise is white, of the level that high-frequency differences give, in each of these cases: there are
+no rests; its coefficient is small or no more than chance; the further lags do not fade as it says
+(a ripple); what is new in each row is heavy-tailed (a valve that hunts goes in slips); most pieces
 hold far more than the quietest (the valve hunts in them).
 """
 
@@ -21,7 +20,8 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
-from booster_ros.diagnosis.experiment.autoregression import coefficient_and_level, left_by
+from booster_ros.diagnosis.experiment.autoregression import (
+    coefficient_and_level, left_by, without)
 from booster_ros.diagnosis.experiment.noise import (
     noise_level, off_its_ends, resolution, white_noise)
 
@@ -107,8 +107,7 @@ def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
         return white
     rows = len(pieces[0])
     curves = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, rows), 4))[0]
-    every = np.array(pieces)
-    every = every - (every @ curves) @ curves.T
+    every = without(np.array(pieces), curves)
     variance, rounded = np.mean(every**2, axis=1), white.resolution**2 / 12.0
     counts = variance <= DISTURBED * np.median(variance)
     for _ in range(ROUNDS):
@@ -163,7 +162,7 @@ def _drawn(coefficient: float, curves: Array) -> Array:
     rows = len(curves)
     drawn = lfilter([1.0], [1.0, -coefficient], np.sqrt(1.0 - coefficient**2)
                     * np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
-    return np.asarray(drawn - (drawn @ curves) @ curves.T)
+    return without(drawn, curves)
 
 
 def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
