@@ -56,17 +56,17 @@ def _along_axes(
     _, lengths, axes = np.linalg.svd(columns[:, moving], full_matrices=False)
     steps = problem.steps_for(z, lengths)
 
+    def within(moved: Array) -> bool:
+        return bool(np.all((low <= moved) & (moved <= high)))
+
     def along(k: int) -> Array:
         step = np.zeros(len(z))
         step[moving] = steps[k] * axes[k]
         over = (z - np.abs(step) < low) | (z + np.abs(step) > high)
-        if over.any():
-            for inwards in (step, -step):
-                furthest = z + 2.0 * inwards
-                if np.all((low <= furthest) & (furthest <= high)):
-                    ahead, further = residuals(z + inwards), residuals(furthest)
-                    side = 1.0 if inwards is step else -1.0
-                    return side * (4.0 * ahead - further - 3.0 * here) / (2.0 * steps[k])
+        inwards = next((side for side in (1.0, -1.0) if within(z + 2.0 * side * step)), None)
+        if over.any() and inwards:
+            ahead, further = residuals(z + inwards * step), residuals(z + 2.0 * inwards * step)
+            return inwards * (4.0 * ahead - further - 3.0 * here) / (2.0 * steps[k])
         free = np.where(over, 0.0, step)
         change = residuals(z + free) - residuals(z - free)
         return (0.5 * change + columns @ (step - free)) / steps[k]
