@@ -72,8 +72,8 @@ def test_a_level_is_relative_to_what_the_noise_is():
 
 def test_the_page_counts():
     def held(*parts):
-        return [Held('actuator.leak_area', True, parts[0], 0.1),
-                *(Held(f'booster.{k}', False, one, 0.1) for k, one in enumerate(parts[1:]))]
+        return [Held('actuator.leak_area', True, parts[0]),
+                *(Held(f'booster.{k}', False, one) for k, one in enumerate(parts[1:]))]
 
     text = page({('chamber_leak', 0.0): [held(True, True, False), held(False, True, True)],
                  ('', 0.9): [held(True, True, True)[1:]]},

@@ -84,13 +84,13 @@ def drawn_valve(generator: np.random.Generator, spread: str) -> Valve:
     )
 
 
-def declared_yaml() -> str:
-    """Return the declared parameters as a ROS 2 parameter file."""
+def declared_groups() -> dict[str, dict[str, float | list[float]]]:
+    """Return the declared parameters by group and name, SI units, pressures gauge."""
     valve = Valve()
     converter, booster, supply, chamber, stem = (
         valve.converter, valve.booster, valve.supply, valve.chamber, valve.stem,
     )  # fmt: skip
-    groups = {
+    return {
         'ep_converter': {
             'gain': converter.gain,
             'offset': converter.offset,
@@ -115,9 +115,13 @@ def declared_yaml() -> str:
             'viscous_friction': stem.viscous_friction,
         },
     }
+
+
+def declared_yaml() -> str:
+    """Return the declared parameters as a ROS 2 parameter file."""
     lines = ["# declared parameters of this record's positioner, SI units, pressures gauge"]
     lines += ['/**:', '  ros__parameters:']
-    for group, values in groups.items():
+    for group, values in declared_groups().items():
         lines.append(f'    {group}:')
         lines += [f'      {name}: {value!r}' for name, value in values.items()]
     return '\n'.join(lines) + '\n'

@@ -3,7 +3,7 @@
 """Valves of the hidden plant of which all parameters are known, and their records."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hidden_plant.cases import play
 from hidden_plant.currents import KINDS
@@ -13,13 +13,20 @@ from hidden_plant.plant import SAMPLE_TIME, Valve
 from hidden_plant.sensors import (
     POSITION_NOISE, POSITION_RESOLUTION, PRESSURE_NOISE, PRESSURE_RESOLUTION, Sensors)
 import numpy as np
-from scipy.signal import lfilter
 
+from booster_ros.diagnosis.experiment.noise_colour import Noise
 from booster_ros.records.record import Record
 
 Key = tuple[str, int | None]
 
 SECONDS = 100.0
+
+NOISE: Mapping[str, Noise] = {
+    name: Noise(float(np.hypot(level, resolution / np.sqrt(12.0))), 0.0, resolution)
+    for name, level, resolution in (
+        ('chamber_pressure', PRESSURE_NOISE, PRESSURE_RESOLUTION),
+        ('valve_position', POSITION_NOISE, POSITION_RESOLUTION))}
+"""Noise of the plant's sensors, white: their own and that of rounding."""
 
 SIZES: Mapping[str, tuple[str, ...]] = {
     'chamber_leak': ('actuator.leak_area',),
@@ -86,18 +93,7 @@ class Drawn:
         pressure, position = play(valve, sensors, current)
         generator = np.random.default_rng([self.seed, 2, round(100 * self.carried)])
         rows = len(current)
-        columns = {
-            'time': SAMPLE_TIME * np.arange(rows),
-            'control_current': current,
-            'chamber_pressure': self._read(
-                pressure, PRESSURE_NOISE, PRESSURE_RESOLUTION, generator),
-            'valve_position': self._read(position, POSITION_NOISE, POSITION_RESOLUTION, generator),
-        }
+        columns = {'time': SAMPLE_TIME * np.arange(rows), 'control_current': current}
+        for (name, noise), signal in zip(NOISE.items(), (pressure, position)):
+            columns[name] = replace(noise, correlation=self.carried).added_to(signal, generator)
         return Record(columns, f'{self.effect or "nothing"} {self.seed}', (), np.arange(rows) + 2)
-
-    def _read(self, signal: np.ndarray, level: float, resolution: float,
-              generator: np.random.Generator) -> np.ndarray:
-        white = generator.standard_normal(len(signal))
-        white[1:] *= np.sqrt(1.0 - self.carried**2)
-        noise = level * lfilter([1.0], [1.0, -self.carried], white)
-        return resolution * np.round((signal + noise) / resolution)
