@@ -10,7 +10,7 @@ import numpy as np
 from booster_ros.diagnosis.experiment.segments import rows_of
 from booster_ros.diagnosis.result import AS_GOOD_AS_MEASURED, ChannelError, Diagnosis
 from booster_ros.model.actuator import has_dry_friction
-from booster_ros.report.engineering import Scale, digits_apart, number, common_scale
+from booster_ros.report.engineering import Scale, common_scale, digits_apart, number
 from booster_ros.report.names import channel_label, channel_listing, listing
 
 WORSE = 1.05

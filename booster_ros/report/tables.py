@@ -10,7 +10,7 @@ from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Refitted, Suspect)
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.report.engineering import (
-    Scale, digits_apart, interval_text, number, scale_of, si_scale, si_text, common_scale)
+    Scale, common_scale, digits_apart, interval_text, number, scale_of, si_scale, si_text)
 from booster_ros.report.markup import cell, number_cell, row, table
 from booster_ros.report.errors import error_scale
 from booster_ros.report.names import channel_label, effect_label

@@ -3,7 +3,7 @@
 """A term without a name in sentences: what it is, what else it may be, what would show it."""
 
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
-from booster_ros.report.engineering import number, scale_of, common_scale
+from booster_ros.report.engineering import common_scale, number, scale_of
 from booster_ros.report.errors import unseen
 from booster_ros.report.names import (
     channel_label, effect_label, listing, place_label, positive_is)

@@ -6,7 +6,7 @@ import numpy as np
 
 from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.report.engineering import digits_apart, number, common_scale
+from booster_ros.report.engineering import common_scale, digits_apart, number
 from booster_ros.report.errors import (
     judged, left_in, meets_all, nothing_unforeseen, reaches_noise, scored, sentence_on_misses,
     sentences_on_gain, sentences_on_left_open, sentences_on_other_record, sentences_on_rest,
