@@ -16,8 +16,9 @@ import numpy as np
 from scipy.stats import binomtest
 
 from booster_ros.diagnosis.diagnose import Progress, diagnose
+from booster_ros.diagnosis.experiment.calm_pieces import calm_pieces
 from booster_ros.diagnosis.experiment.experiment import Experiment
-from booster_ros.diagnosis.experiment.noise_colour import noise_of, rests_of
+from booster_ros.diagnosis.experiment.noise_colour import noise_of
 from booster_ros.diagnosis.preparing.late_commands import (
     AS_OFTEN, commands_may_be_late, with_late_commands)
 from booster_ros.diagnosis.preparing.start_state import first_value
@@ -60,8 +61,8 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
     """Yield experiments in which the refitted declared model takes the place of the valve."""
     experiment, model = diagnosis.experiment, diagnosis.before
     drives = [experiment.current, *experiment.pinned.values()]
-    rests = [] if experiment.quasi_static else rests_of(experiment.time, drives)
-    noise = {name: noise_of(values, rests) for name, values in experiment.measured.items()}
+    calm = [] if experiment.quasi_static else calm_pieces(experiment.time, drives)
+    noise = {name: noise_of(values, calm) for name, values in experiment.measured.items()}
     late = commands_may_be_late(experiment)
     still = experiment.predict(model) if experiment.drive_noise or late else {}
     for run in range(runs):
@@ -81,7 +82,7 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
             for name, measured in experiment.measured.items()})
         # the noise level is estimated anew from each repeat, as it was from the record itself
         yield replace(made, noise={
-            name: level * noise_of(made.measured[name], rests).level / noise[name].level
+            name: level * noise_of(made.measured[name], calm).level / noise[name].level
             if noise[name].level > 0.0 else level for name, level in experiment.noise.items()})
 
 

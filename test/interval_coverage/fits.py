@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 from hidden_plant.declared import declared_groups
 from hidden_plant.effects import EFFECTS
-import numpy as np
 
 from booster_ros.diagnosis.experiment.segments import split
 from booster_ros.diagnosis.fitting.applicable import free_to_refit
@@ -14,7 +13,8 @@ from booster_ros.diagnosis.fitting.freedom import label
 from booster_ros.diagnosis.fitting.intervals import interval_of
 from booster_ros.diagnosis.last_fit import draws_of, last_fit
 from booster_ros.diagnosis.preparing.preparation import prepare
-from booster_ros.diagnosis.searching.search import Search, settled
+from booster_ros.diagnosis.searching.next_effect import extend
+from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.parameters import from_values
 from booster_ros.model.system import PositionerParameters
 
@@ -36,12 +36,8 @@ def intervals(drawn: Drawn) -> list[Held]:
     segments = split(experiment.time, experiment.current)
     names = EFFECTS[drawn.effect].names[:1] if drawn.effect else ()
     search = Search(experiment, segments, declared, free_to_refit(declared, experiment), names)
-    problem = search.joint(search.problem(), names)
-    z = problem.start()
-    for j, free in enumerate(problem.freedoms):
-        if not np.isfinite(free.sigma):
-            z[j] = free.variable(free.knob.typical)
-    candidate = search.rate(names, problem, settled(problem, z))
+    refit = search.refit()
+    candidate = extend(search, refit, tick=lambda: None)[0] if names else refit
     last = last_fit(search, candidate)
     draws = draws_of(search, last)
     truth = drawn.truth()

@@ -3,46 +3,29 @@
 """
 The colour of the measurement noise: how much of it carries over from one row to the next.
 
-The colour is taken where every drive has stood still for long enough, in pieces of about a second
-with a cubic removed from each, never from residuals of a fit: what moves slower than a piece is
-the valve, what is faster is noise. The noise is a first-order autoregression (`autoregression`).
-Noise is white, of the level that high-frequency differences give, in each of these cases: there are
-no rests; its coefficient is small or no more than chance; the further lags do not fade as it says
-(a ripple); what is new in each row is heavy-tailed (a valve that hunts goes in slips); most pieces
-hold far more than the quietest (the valve hunts in them).
+The colour is taken from calm pieces of the record (`calm_pieces`), with a cubic removed from each,
+never from residuals of a fit: what moves slower than a piece is the valve, what is faster is noise.
+The noise is a first-order autoregression (`autoregression`). Noise is white, of the level that
+high-frequency differences give, in each of these cases: there are few such pieces; its coefficient
+is small or no more than chance; the further lags do not fade as it says (a ripple); what is new in
+each row is heavy-tailed (a valve that hunts goes in slips); most pieces hold far more than the
+quietest (the valve hunts in them).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
 from booster_ros.diagnosis.experiment.autoregression import (
     coefficient_and_level, left_by, without)
-from booster_ros.diagnosis.experiment.noise import (
-    noise_level, off_its_ends, resolution, white_noise)
+from booster_ros.diagnosis.experiment.calm_pieces import FEWEST_PIECES, cubics
+from booster_ros.diagnosis.experiment.noise import noise_level, off_its_ends, resolution
 
 Array = np.ndarray
 
-SETTLING = 3.0
-"""Time that a drive has stood still before a rest begins, s: a chamber fills in seconds."""
-
-PIECE = 1.0
-FEWEST_ROWS, MOST_ROWS = 32, 500
-"""Length of a piece of a rest, s, and the smallest and largest number of its rows: what is
-reckoned with the covariance of a piece takes the cube of this number."""
-
-FEWEST_PIECES = 12
-"""With fewer pieces noise is taken as white."""
-
-STILL = 6.0
-STILL_SHARE = 1e-3
-"""Largest range of a drive at rest. It is STILL standard deviations of the white part of its
-noise, for means over a piece (means of coloured noise vary as much), but at least the share
-STILL_SHARE of the drive's range over the record."""
 
 DISTURBED = 2.0
 """Variance of a piece, and of what is new in each of its rows, relative to the median piece, above
@@ -98,15 +81,19 @@ class Noise:
         return np.asarray(noisy)
 
 
-def noise_of(signal: Array, rests: Sequence[slice]) -> Noise:
-    """Return level, colour and resolution of the noise on a signal; NaN rows do not count."""
+def noise_of(signal: Array, calm: Sequence[slice]) -> Noise:
+    """
+    Return level, colour and resolution of the noise on a signal, the colour from its calm pieces.
+
+    These are equally long; rows without a value (NaN) do not count, nor pieces that have any.
+    """
     white = Noise(float(noise_level(signal)), 0.0, resolution(signal))
     inside = off_its_ends(signal)
-    pieces = [inside[rest] for rest in rests if np.isfinite(inside[rest]).all()]
+    pieces = [inside[piece] for piece in calm if np.isfinite(inside[piece]).all()]
     if len(pieces) < FEWEST_PIECES:
         return white
     rows = len(pieces[0])
-    curves = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, rows), 4))[0]
+    curves = cubics(rows)
     every = without(np.array(pieces), curves)
     variance, rounded = np.mean(every**2, axis=1), white.resolution**2 / 12.0
     counts = variance <= DISTURBED * np.median(variance)
@@ -163,35 +150,3 @@ def _drawn(coefficient: float, curves: Array) -> Array:
     drawn = lfilter([1.0], [1.0, -coefficient], np.sqrt(1.0 - coefficient**2)
                     * np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
     return without(drawn, curves)
-
-
-def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
-    """
-    Return equally long pieces of a record in which every drive has stood still and settled.
-
-    Time in s, shape (n,), like each drive. Pieces do not overlap and have no gap within.
-    """
-    steps = np.diff(time)
-    usual = float(np.median(steps))
-    rows, lead = min(max(round(PIECE / usual), FEWEST_ROWS), MOST_ROWS), round(SETTLING / usual)
-    moving = [_judged_by(drive, rows) for drive in drives if np.ptp(drive) > 0.0]
-    rests = []
-    first = lead
-    while first + rows <= len(time):
-        whole = slice(first - lead, first + rows)
-        even = np.max(steps[whole.start:whole.stop - 1]) < 1.5 * usual
-        if even and all(np.ptp(drive[whole]) <= most for drive, most in moving):
-            rests.append(slice(first, first + rows))
-            first += rows
-        else:
-            first += max(rows // 4, 1)
-    return rests
-
-
-def _judged_by(drive: Array, rows: int) -> tuple[Array, float]:
-    """Return what tells whether a drive stands still, less its noise, and its most range then."""
-    # not `noise_level`, which counts resolution: levels of a stair are no resolution
-    noise, least = np.nan_to_num(white_noise(drive)), STILL_SHARE * float(np.ptp(drive))
-    if STILL * noise <= least:
-        return drive, least
-    return uniform_filter1d(drive, rows, mode='nearest'), STILL * noise

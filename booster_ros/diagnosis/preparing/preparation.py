@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from booster_ros.diagnosis.experiment.calm_pieces import calm_pieces
 from booster_ros.diagnosis.experiment.experiment import DriveNoise, Experiment
 from booster_ros.diagnosis.experiment.noise import white_noise
-from booster_ros.diagnosis.experiment.noise_colour import FEWEST_PIECES, noise_of, rests_of
+from booster_ros.diagnosis.experiment.noise_colour import noise_of
 from booster_ros.diagnosis.experiment.roles import Roles, roles
 from booster_ros.diagnosis.preparing.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.preparing.late_commands import (
@@ -126,8 +127,8 @@ def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
     _check_enough(compared, rows.source, *rows.left_out)
     current = _current(columns, role, rows.quasi_static)
     pinned = {name: bridged(time, columns[name]) for name in role.pinned}
-    rests = [] if rows.quasi_static else rests_of(time, [current, *pinned.values()])
-    noise = _noise(columns, rests)
+    calm = [] if rows.quasi_static else calm_pieces(time, [current, *pinned.values()])
+    noise = _noise(columns, calm)
     return Experiment(
         time=time,
         current=current,
@@ -137,10 +138,10 @@ def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
         initial=start_state({name: values if np.isfinite(values[0]) else _between_samples(
             columns.get('time'), values) for name, values in columns.items()}, declared, noise),
         drive_noise={} if rows.quasi_static else {
-            name: _drive_noise(name, values, rests) for name, values in rows.sampled.items()},
+            name: _drive_noise(name, values, calm) for name, values in rows.sampled.items()},
         quasi_static=rows.quasi_static,
         begins=rows.begins,
-        notes=(*rows.notes, *_rest_notes(rests, rows.quasi_static)),
+        notes=(*rows.notes, *_colour_notes(calm, rows.quasi_static)),
     )
 
 
@@ -266,19 +267,19 @@ def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> A
     return current
 
 
-def _noise(columns: Mapping[str, Array], rests: list[slice]) -> dict[str, float]:
+def _noise(columns: Mapping[str, Array], calm: list[slice]) -> dict[str, float]:
     """Return the noise level of every channel: coloured noise is more than its differences show."""
-    return {name: max(noise_of(values, rests).level, LEAST_NOISE.get(name, 0.0))
+    return {name: max(noise_of(values, calm).level, LEAST_NOISE.get(name, 0.0))
             for name, values in columns.items() if name != 'time'}
 
 
-def _drive_noise(name: str, sampled: Array, rests: list[slice]) -> DriveNoise:
+def _drive_noise(name: str, sampled: Array, calm: list[slice]) -> DriveNoise:
     """
     Return the noise of a measured drive from its samples, before rows between them are filled.
 
     The steps between its values do not count: levels at which it stood are no resolution.
     """
-    coloured = noise_of(sampled, rests)
+    coloured = noise_of(sampled, calm)
     level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))
     every = round(len(sampled) / np.isfinite(sampled).sum())
     return DriveNoise(max(float(level), LEAST_NOISE[name]), every, coloured.correlation)
@@ -311,12 +312,12 @@ def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:
     return (f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row',)
 
 
-def _rest_notes(rests: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
-    if quasi_static or len(rests) >= FEWEST_PIECES:
+def _colour_notes(calm: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
+    if quasi_static or calm:
         return ()
-    return ('what drives the valve hardly rests: noise is taken as white, as its colour shows in '
-            'rests alone; where a sensor is damped there is more of it, up to several times, and '
-            'what seems to be missed may be noise',)
+    return ('what drives the valve hardly rests, nor moves smoothly for long: noise is taken as '
+            'white, as its colour shows there alone; where a sensor is damped there is more of it, '
+            'up to several times, and what seems to be missed may be noise',)
 
 
 def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:
