@@ -18,7 +18,8 @@ from functools import cached_property
 import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.fitting.descent import CONVERGED, Residuals, descend
+from booster_ros.diagnosis.fitting.descent import CONVERGED, Descent, Residuals, descend
+from booster_ros.diagnosis.fitting.dormant import place_beyond
 from booster_ros.diagnosis.fitting.freedom import BENCH, Free, possible_departures, put
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.diagnosis.fitting.slips import Windows
@@ -42,6 +43,9 @@ what is left of their columns is wrong then, and a fit ends far from the end of 
 Smaller steps drown in the solver's own error, which is larger on thinned rows; where the stem
 sticks, in a cost that is rough with the timing of slips: the third figure sees through that.
 """
+
+FEW_EVALUATIONS = 6
+"""Evaluations up to which a fit shows which way things go, and does not look beyond its end."""
 
 UNSEEN = 1.0
 """Rise of the cost without a size, up to which the size is not seen."""
@@ -310,12 +314,30 @@ class Problem:
 
     def fit(self, z: Array | None = None, evaluations: int = 20, converged: float = CONVERGED
             ) -> Fit:
-        """Return the best fit from z on (default: from the given parameters)."""
-        begin = self._inside(self.start() if z is None else z)
-        found = descend(
-            self.residuals, self.jacobian, begin, *self.bounds(), evaluations, converged)
+        """
+        Return the best fit from z on (default: from the given parameters).
+
+        A fit that is given more than a few evaluations goes on where a declared parameter would
+        begin to move something (`dormant`), if it ends better from there.
+        """
+        def descended(begin: Array) -> Descent:
+            return descend(self.residuals, self.jacobian, self._inside(begin), *self.bounds(),
+                           evaluations, converged)
+
+        found = descended(self.start() if z is None else z)
+        beyond = place_beyond(
+            self.residuals, found.z, found.jacobian, self._dormant(found.jacobian),
+            self.bounds()) if evaluations > FEW_EVALUATIONS else None
+        if beyond is not None:
+            found = min(found, descended(beyond), key=lambda end: end.cost)
         p = self.parameters(found.z)
         return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)
+
+    def _dormant(self, jacobian: Array) -> list[int]:
+        """Return the declared parameters that move nothing but their priors, by these slopes."""
+        moves = np.any(jacobian[:self.rows_counted()] != 0.0, axis=0)
+        return [j for j, free in enumerate(self.freedoms)
+                if np.isfinite(free.sigma) and not moves[j]]
 
     def fit_through_slips(self, z: Array, evaluations: int = 20) -> Fit:
         """
