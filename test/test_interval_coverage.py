@@ -67,7 +67,8 @@ def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
 
 def test_a_level_is_relative_to_what_the_noise_is():
     assert levels(Drawn('', 0.0, 1, 'stairs')) == pytest.approx((1.0, 1.0), abs=0.1)
-    assert max(levels(Drawn('', 0.9, 1, 'sines'))) < 0.5  # taken as white
+    assert levels(Drawn('', 0.9, 1, 'sines')) == pytest.approx((1.0, 1.0), abs=0.3)
+    assert max(levels(Drawn('', 0.9, 1, 'hops'))) < 0.5  # taken as white
 
 
 def test_the_page_counts():
@@ -94,6 +95,8 @@ def test_the_command_writes_the_page_it_names(tmp_path, capsys):
     assert re.search(r'\| none \| 0\.9 \| 1 \| – \| \d+ of 11 \|', text)
     assert main(['--records', '0']) == 2
     assert '--records, --levels and --jobs must be 1 or more' in capsys.readouterr().err
+    assert main(['--docs', str(tmp_path / 'none' / 'page.md')]) == 2
+    assert f'there is no folder {tmp_path / "none"}' in capsys.readouterr().err
     with pytest.raises(SystemExit):
         main(['--effects', 'creep'])
     assert 'creep is none of none, chamber_leak' in capsys.readouterr().err

@@ -17,12 +17,16 @@ from .valves import SIZES, Drawn
 
 COLOURS = (0.0, 0.9)
 ALL_COLOURS = (0.0, 0.5, 0.8, 0.9, 0.95)
-KINDS = ('stairs', 'sines')
+KINDS = ('stairs', 'sines', 'hops')
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the program; return its exit status."""
     options = _parser().parse_args(args)
+    if not options.docs.parent.is_dir():
+        print(f'interval_coverage: --docs: there is no folder {options.docs.parent}',
+              file=sys.stderr)
+        return 2
     if min(options.records, options.levels, options.jobs) < 1:
         print('interval_coverage: --records, --levels and --jobs must be 1 or more',
               file=sys.stderr)

@@ -15,16 +15,18 @@ A valve that was written apart from the model (`test/hidden_plant`) is drawn ane
 declared parameters from the tolerances that a refit allows them, cut at two standard deviations,
 the effect's size evenly by its logarithm between small and large. The record is 100 s of current,
 chamber pressure and valve position with the noise and the resolution of the samples. The effect is
-told: it is fitted to all but the locked part, as the last fit of a diagnosis is, and its 95 %
-intervals are compared with what was put in. Whether the search would have named it is another
-question, which [the matrix](confusion.md) answers.
+told: a diagnosis that knows of no other one fits it, in the end to all but the locked part, and
+its 95 % intervals are compared with what was put in. Whether a search of the whole catalogue would
+have named it is another question, which [the matrix](confusion.md) answers.
 """
 
 _NOISE = """
 Level of the noise as `close_loop` has it, relative to what it is: what lies below 5, 50 and 95 % of
 the records, pressure and position together. *Carried over* is the share of the noise that carries
 over from a row to the next, 10 ms later; 0.9 is a sensor that is damped by 0.1 s. Stairs rest for
-4 to 11 s, the sines never: their noise is taken as white, and the report says what that means.
+4 to 11 s. The sines, of periods from 3 to 30 s, never rest; there smooth motion tells the noise.
+Hops, every half a second, are neither rest nor smooth: there the noise is taken as white, and the
+report says what that means.
 """
 
 _WORST = 4

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from hidden_plant.cases import play
-from hidden_plant.currents import KINDS
+from hidden_plant.currents import KINDS, LEVELS
 from hidden_plant.declared import drawn_valve
 from hidden_plant.effects import EFFECTS, put_in
 from hidden_plant.plant import SAMPLE_TIME, Valve
@@ -20,6 +20,18 @@ from booster_ros.records.record import Record
 Key = tuple[str, int | None]
 
 SECONDS = 100.0
+
+HOLD = 0.5
+"""Time between the steps of `hops`, s."""
+
+
+def hops(generator: np.random.Generator, seconds: float) -> np.ndarray:
+    """Return a current (A) that steps to another random level every HOLD seconds."""
+    levels = generator.uniform(*LEVELS, round(seconds / HOLD))
+    return np.repeat(levels, round(HOLD / SAMPLE_TIME))
+
+
+CURRENTS = {**KINDS, 'hops': hops}
 
 NOISE: Mapping[str, Noise] = {
     name: Noise(float(np.hypot(level, resolution / np.sqrt(12.0))), 0.0, resolution)
@@ -89,7 +101,7 @@ class Drawn:
     def record(self) -> Record:
         """Return what a recorder with this noise writes of it."""
         valve, sensors, _ = self.valve()
-        current = KINDS[self.kind](np.random.default_rng([self.seed, 1]), SECONDS)
+        current = CURRENTS[self.kind](np.random.default_rng([self.seed, 1]), SECONDS)
         pressure, position = play(valve, sensors, current)
         generator = np.random.default_rng([self.seed, 2, round(100 * self.carried)])
         rows = len(current)
