@@ -50,6 +50,18 @@ def test_none_short_of_the_noise_does_not_claim_that_the_model_is_enough():
     assert 'more than noise' in text
 
 
+def test_the_headline_says_so_where_far_more_than_noise_is_left_that_nothing_leaves_open():
+    lacks = 'The model lacks stem friction'
+    found = friction_found()
+    assert verdict_title(found) == verdict_title(off_by(found, 'held_out', 40.0, 2.9)) == lacks
+    much = off_by(found, 'held_out', 40.0, 3.1, 'valve_position')
+    assert verdict_title(much) == f'{lacks}, and more than that'
+    left_open = replace(much, held_out={
+        name: replace(error, left_open=error.after, unforeseen=error.noise)
+        for name, error in much.held_out.items()})
+    assert verdict_title(left_open) == lacks
+
+
 def test_a_locked_part_missed_by_what_the_record_leaves_open_calls_for_nothing():
     diagnosis = off_by(nothing_found(), 'held_out', 3.0, 3.0)
     diagnosis = replace(diagnosis, held_out={

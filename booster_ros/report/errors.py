@@ -24,6 +24,9 @@ added has a share in that."""
 FAR_OFF = 3.0
 """Tolerances beyond which a declared parameter is far from what it was expected to be."""
 
+MUCH = 3.0
+"""Multiple of the noise from which what is left belongs in the headline."""
+
 FEW = 25
 """Values of a channel in the locked part below which the report says how few there are."""
 
@@ -51,6 +54,12 @@ def reaches_noise(errors: Mapping[str, ChannelError]) -> bool:
 def nothing_unforeseen(errors: Mapping[str, ChannelError]) -> bool:
     """Tell whether the last model leaves no more than noise and what the record leaves open."""
     return all(error.foreseen for error in errors.values())
+
+
+def leaves_much(errors: Mapping[str, ChannelError]) -> bool:
+    """Tell whether far more than noise is left of what the record does not leave open."""
+    return any(not error.foreseen and error.after > MUCH * error.noise
+               for error in errors.values())
 
 
 def meets_all(diagnosis: Diagnosis) -> bool:

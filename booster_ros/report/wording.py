@@ -8,9 +8,9 @@ from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import common_scale, digits_apart, number
 from booster_ros.report.errors import (
-    judged, left_in, meets_all, nothing_unforeseen, reaches_noise, scored, sentence_on_misses,
-    sentences_on_gain, sentences_on_left_open, sentences_on_other_record, sentences_on_rest,
-    sentences_on_tolerances)
+    judged, leaves_much, left_in, meets_all, nothing_unforeseen, reaches_noise, scored,
+    sentence_on_misses, sentences_on_gain, sentences_on_left_open, sentences_on_other_record,
+    sentences_on_rest, sentences_on_tolerances)
 from booster_ros.report.names import (
     capital, channel_label, channel_listing, effect_label, listing, place_label)
 from booster_ros.report.unknown_term import (
@@ -61,7 +61,8 @@ def verdict_title(diagnosis: Diagnosis) -> str:
             return 'The model lacks something that no named effect explains'
         place = place_label(_unknown_place(diagnosis))
         return f'The model lacks something in {place} that no named effect explains'
-    return f'The model lacks {listing([effect_label(e.name) for e in diagnosis.effects])}'
+    lacks = f'The model lacks {listing([effect_label(e.name) for e in diagnosis.effects])}'
+    return f'{lacks}, and more than that' if leaves_much(judged(diagnosis)) else lacks
 
 
 def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
