@@ -117,6 +117,22 @@ def test_noise_is_white_and_of_the_level_of_differences_where_no_piece_is_calm()
     assert found.level == pytest.approx(0.62 * 2e-3, rel=0.05)
 
 
+@pytest.mark.parametrize('every', [0.4, 0.5])
+@pytest.mark.parametrize('noise', [2e-7, 6e-7])
+def test_no_piece_holds_a_jump_of_a_noisy_drive_that_is_more_than_its_noise(every, noise):
+    """Averaged over a whole piece, a jump would be a ramp that a cubic follows."""
+    generator = np.random.default_rng(2)
+    levels = generator.uniform(0.39e-3, 0.44e-3, 400)[(TIME / every).astype(int) % 400]
+    pieces = smooth_pieces(TIME, [levels + noise * generator.standard_normal(len(TIME))])
+    assert len(pieces) < 60
+    assert all(np.ptp(levels[piece]) < 25.0 * noise for piece in pieces)
+
+
+def test_a_noisy_drive_that_moves_smoothly_has_smooth_pieces():
+    noisy = SINES + 3e-7 * np.random.default_rng(3).standard_normal(len(TIME))
+    assert len(smooth_pieces(TIME, [noisy])) > 200
+
+
 def test_a_valve_is_not_held_to_move_along_a_cubic_for_long():
     """Of rows 50 ms apart, a piece that has enough of them takes a second."""
     assert smooth_pieces(0.05 * np.arange(2400), [SINES[::5]]) == []

@@ -58,8 +58,8 @@ def nothing_unforeseen(errors: Mapping[str, ChannelError]) -> bool:
 
 def leaves_much(errors: Mapping[str, ChannelError]) -> bool:
     """Tell whether far more than noise is left of what the record does not leave open."""
-    return any(not error.foreseen and error.after > MUCH * error.noise
-               for error in errors.values())
+    return any((error.unforeseen if math.isfinite(error.unforeseen) else error.after)
+               > MUCH * error.noise for error in errors.values())
 
 
 def meets_all(diagnosis: Diagnosis) -> bool:

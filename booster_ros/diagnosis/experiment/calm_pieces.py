@@ -38,6 +38,10 @@ MOVING_PIECE, FEWEST_MOVING_ROWS = 0.5, 20
 """Length of such a piece, s, and the smallest number of its rows: a valve moves along a cubic for
 that long, and hardly for longer."""
 
+SHARPER = 5
+"""Share of a smooth piece over which a noisy drive is averaged: over all of it a jump would become
+a ramp, which a cubic follows."""
+
 STILL = 6.0
 STILL_SHARE = 1e-3
 """Largest range of a drive at rest, or off a cubic. It is STILL standard deviations of the white
@@ -66,7 +70,7 @@ def rests_of(time: Array, drives: Sequence[Array]) -> list[slice]:
     """Return pieces in which every drive has stood still and settled, as in `calm_pieces`."""
     usual = _usual_step(time)
     rows = min(max(round(PIECE / usual), FEWEST_ROWS), MOST_ROWS)
-    return _pieces(time, drives, rows, round(SETTLING / usual), np.ptp)
+    return _pieces(time, drives, rows, round(SETTLING / usual), np.ptp, smoothed=rows)
 
 
 def smooth_pieces(time: Array, drives: Sequence[Array]) -> list[slice]:
@@ -80,7 +84,8 @@ def smooth_pieces(time: Array, drives: Sequence[Array]) -> list[slice]:
     if rows < FEWEST_MOVING_ROWS:
         return []
     curves = cubics(lead + rows)
-    return _pieces(time, drives, rows, lead, lambda drive: np.ptp(without(drive, curves)))
+    return _pieces(time, drives, rows, lead, lambda drive: np.ptp(without(drive, curves)),
+                   smoothed=rows // SHARPER)
 
 
 def cubics(rows: int) -> Array:
@@ -89,11 +94,15 @@ def cubics(rows: int) -> Array:
 
 
 def _pieces(time: Array, drives: Sequence[Array], rows: int, lead: int,
-            range_of: Callable[[Array], float]) -> list[slice]:
-    """Return pieces in which, and for so many rows before, the range of no drive is too large."""
+            range_of: Callable[[Array], float], smoothed: int) -> list[slice]:
+    """
+    Return pieces in which, and for `lead` rows before, the range of no drive is too large.
+
+    A noisy drive is judged by its means over `smoothed` rows.
+    """
     steps = np.diff(time)
     usual = _usual_step(time)
-    moving = [_judged_by(drive, rows) for drive in drives if np.ptp(drive) > 0.0]
+    moving = [_judged_by(drive, smoothed) for drive in drives if np.ptp(drive) > 0.0]
     pieces = []
     first = lead
     while first + rows <= len(time):

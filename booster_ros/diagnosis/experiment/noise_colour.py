@@ -26,7 +26,6 @@ from booster_ros.diagnosis.experiment.noise import noise_level, off_its_ends, re
 
 Array = np.ndarray
 
-
 DISTURBED = 2.0
 """Variance of a piece, and of what is new in each of its rows, relative to the median piece, above
 which the valve has moved in it."""

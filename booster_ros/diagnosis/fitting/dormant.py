@@ -13,7 +13,7 @@ bends other parameters to what it does. So, from the end of the descent,
 3. where least is left, if it is less than before by more than chance, another descent may begin.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -26,36 +26,38 @@ AWAY = (-2.0, -1.0, 1.0, 2.0)
 """Steps to where a parameter may move something, in standard deviations of its prior."""
 
 BY_CHANCE = 10.0
-"""Fall of the cost up to which it is taken for chance."""
+"""Fall of the cost up to which it is taken for chance, in mean squares of what is left."""
 
 
-def place_beyond(residuals: Residuals, z: Array, jacobian: Array, dormant: Sequence[int],
+def place_beyond(residuals: Residuals, z: Array, jacobian: Array, dormant: Mapping[int, float],
                  room: tuple[Array, Array]) -> Array | None:
     """
     Return where another descent may begin, None where nothing speaks for one.
 
-    `jacobian`, shape (residuals, variables), is that of `residuals` at z, where the `dormant`
-    variables move nothing but their priors; `room` are the lower and upper bounds of z.
+    `jacobian`, shape (residuals, variables), is that of `residuals` at z. `dormant` has the
+    variables that move nothing but their priors there, with the standard deviations of these;
+    `room` are the lower and upper bounds of z.
     """
     moves = []
-    for j in dormant:
+    for j, sigma in dormant.items():
         for away in AWAY:
             moved = z.copy()
-            moved[j] = np.clip(z[j] + away, room[0][j], room[1][j])
+            moved[j] = np.clip(z[j] + away * sigma, room[0][j], room[1][j])
             if moved[j] != z[j]:
-                moves.append((j, moved))
+                moves.append(moved)
     if not moves:
         return None
-    others, upper = np.linalg.qr(np.delete(jacobian, dormant, axis=1))
-    kept = np.setdiff1d(np.arange(len(z)), dormant)
+    able = np.setdiff1d(np.flatnonzero(np.any(jacobian != 0.0, axis=0)), list(dormant))
+    others, upper = np.linalg.qr(jacobian[:, able])
 
     def left(missed: Array) -> float:
         return float(np.sum(missed**2) - np.sum((others.T @ missed)**2))
 
-    missed = side_by_side(lambda move: residuals(move[1]), moves)
+    here = residuals(z)
+    missed = side_by_side(residuals, moves)
     least = int(np.argmin([left(each) for each in missed]))
-    if left(missed[least]) > left(residuals(z)) - BY_CHANCE:
+    if left(missed[least]) > left(here) - BY_CHANCE * max(left(here) / len(here), 1.0):
         return None
-    begin = moves[least][1]
-    begin[kept] -= np.linalg.lstsq(upper, others.T @ missed[least])[0]
+    begin = moves[least].copy()
+    begin[able] -= np.linalg.lstsq(upper, others.T @ missed[least])[0]
     return np.asarray(np.clip(begin, *room))

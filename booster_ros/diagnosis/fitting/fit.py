@@ -47,6 +47,10 @@ sticks, in a cost that is rough with the timing of slips: the third figure sees 
 FEW_EVALUATIONS = 6
 """Evaluations up to which a fit shows which way things go, and does not look beyond its end."""
 
+FAINT = 1.0
+"""Norm of the change of the scaled residuals below which the model is run to tell whether anything
+moves."""
+
 UNSEEN = 1.0
 """Rise of the cost without a size, up to which the size is not seen."""
 
@@ -326,18 +330,19 @@ class Problem:
 
         found = descended(self.start() if z is None else z)
         beyond = place_beyond(
-            self.residuals, found.z, found.jacobian, self._dormant(found.jacobian),
-            self.bounds()) if evaluations > FEW_EVALUATIONS else None
+            self.residuals, found.z, found.jacobian, self._dormant(found), self.bounds()
+        ) if evaluations > FEW_EVALUATIONS else None
         if beyond is not None:
             found = min(found, descended(beyond), key=lambda end: end.cost)
         p = self.parameters(found.z)
         return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)
 
-    def _dormant(self, jacobian: Array) -> list[int]:
-        """Return the declared parameters that move nothing but their priors, by these slopes."""
-        moves = np.any(jacobian[:self.rows_counted()] != 0.0, axis=0)
-        return [j for j, free in enumerate(self.freedoms)
-                if np.isfinite(free.sigma) and not moves[j]]
+    def _dormant(self, found: Descent) -> dict[int, float]:
+        """Return the declared parameters that move nothing but their priors, with these' widths."""
+        # a Jacobian that was corrected by steps has next to nothing in their columns, not nothing
+        faint = np.linalg.norm(found.jacobian[:self.rows_counted()], axis=0) < FAINT
+        asked = [j for j, free in enumerate(self.freedoms) if np.isfinite(free.sigma) and faint[j]]
+        return {j: self.freedoms[j].sigma for j in self.idle(asked, found.z)}
 
     def fit_through_slips(self, z: Array, evaluations: int = 20) -> Fit:
         """
