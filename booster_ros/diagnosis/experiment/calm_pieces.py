@@ -39,14 +39,14 @@ MOVING_PIECE, FEWEST_MOVING_ROWS = 0.5, 20
 that long, and hardly for longer."""
 
 SHARPER = 5
-"""Share of a smooth piece over which a noisy drive is averaged: over all of it a jump would become
-a ramp, which a cubic follows."""
+"""A noisy drive is averaged over one in so many rows of a smooth piece: over all of them a jump
+would become a ramp, which a cubic follows."""
 
 STILL = 6.0
 STILL_SHARE = 1e-3
 """Largest range of a drive at rest, or off a cubic. It is STILL standard deviations of the white
-part of its noise, for means over a piece (means of coloured noise vary as much), but at least the
-share STILL_SHARE of the drive's range over the record."""
+part of its noise, for the means it is judged by (those of coloured noise vary as much), but at
+least the share STILL_SHARE of the drive's range over the record."""
 
 FLICKER = 5
 """Number of rows whose median a drive that holds its values is compared with, for its flicker."""

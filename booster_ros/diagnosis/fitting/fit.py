@@ -338,7 +338,7 @@ class Problem:
         return Fit(self.freedoms, found.z, p, self.initial(found.z, p), found.cost, found.jacobian)
 
     def _dormant(self, found: Descent) -> dict[int, float]:
-        """Return the declared parameters that move nothing but their priors, with these' widths."""
+        """Return which declared parameters move nothing but their priors, and their tolerances."""
         # a Jacobian that was corrected by steps has next to nothing in their columns, not nothing
         faint = np.linalg.norm(found.jacobian[:self.rows_counted()], axis=0) < FAINT
         asked = [j for j, free in enumerate(self.freedoms) if np.isfinite(free.sigma) and faint[j]]
