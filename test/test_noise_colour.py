@@ -68,6 +68,7 @@ def test_noise_of_a_quantised_white_record_is_found_again_in_what_is_simulated_w
     shown = step * np.round((settling() + 2e-3 * rng.standard_normal(len(TIME))) / step)
     found = noise_of(shown, rests_of(TIME, [STEPS]))
     assert found.correlation == 0.0
+    assert not found.clouded
     assert found.resolution == pytest.approx(step)
     again = found.added_to(settling(), rng)
     assert np.allclose(again / step, np.round(again / step))
@@ -80,6 +81,7 @@ def test_a_ripple_at_rests_is_not_taken_for_noise():
     shown += 2e-3 * rng.standard_normal(len(TIME))
     found = noise_of(shown, rests_of(TIME, [STEPS]))
     assert found.correlation == 0.0
+    assert found.clouded
     assert found.level == pytest.approx(2e-3, rel=0.05)
 
 
@@ -88,7 +90,9 @@ def test_a_valve_that_slips_at_rests_is_not_taken_for_noise():
     slips = 20e-3 * rng.standard_normal(len(TIME)) * (rng.random(len(TIME)) < 0.05)
     hunting = lfilter([1.0], [1.0, -0.9], slips)
     shown = settling() + hunting + 1e-3 * rng.standard_normal(len(TIME))
-    assert noise_of(shown, rests_of(TIME, [STEPS])).correlation == 0.0
+    found = noise_of(shown, rests_of(TIME, [STEPS]))
+    assert found.correlation == 0.0
+    assert found.clouded
 
 
 @pytest.mark.parametrize('every', [1, 2])
@@ -105,6 +109,7 @@ def test_where_nothing_rests_smooth_motion_of_a_valve_tells_colour_and_level(
         found = noise_of(shown, calm_pieces(time, [drive[::every]]))
         assert found.correlation == pytest.approx(correlation**every, abs=0.12)
         assert 0.75 < found.level / level < 1.4
+        assert not found.clouded
         assert noise_of(shown, []).level < (0.85 if correlation else 1.1) * level
 
 

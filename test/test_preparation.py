@@ -44,6 +44,22 @@ def test_where_nothing_rests_it_is_said_that_noise_may_be_larger_than_it_seems()
     assert not [note for note in still.notes if note.startswith(said)]
 
 
+def test_where_a_ripple_hides_the_colour_of_noise_the_channel_is_named():
+    time = np.arange(0.0, 120.0, 0.02)
+    current = 1e-4 * np.array([3.6, 4.3, 3.9, 4.5])[(time // 8.0).astype(int) % 4]
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 250e3})
+    generator = np.random.default_rng(1)
+    pressure, position = (
+        run[name] + level * generator.standard_normal(len(time))
+        for name, level in {'chamber_pressure': 150.0, 'valve_position': 8e-6}.items())
+    prepared = prepare(record_of(
+        time=time, control_current=current, valve_position=position,
+        chamber_pressure=pressure + 300.0 * np.sin(2.0 * np.pi * 3.0 * time)), DECLARED)
+    said = [note for note in prepared.notes if 'taken as white' in note]
+    assert len(said) == 1
+    assert said[0].startswith('the noise of chamber_pressure is taken as white')
+
+
 def test_the_prepared_model_of_an_exact_plant_misses_by_the_noise():
     experiment = prepare(record_of(**step_test()), DECLARED)
     assert experiment.noise['chamber_pressure'] == pytest.approx(150.0, rel=0.2)

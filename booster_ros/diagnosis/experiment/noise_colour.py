@@ -9,11 +9,11 @@ The noise is a first-order autoregression (`autoregression`). Noise is white, of
 high-frequency differences give, in each of these cases: there are few such pieces; its coefficient
 is small or no more than chance; the further lags do not fade as it says (a ripple); what is new in
 each row is heavy-tailed (a valve that hunts goes in slips); most pieces hold far more than the
-quietest (the valve hunts in them).
+quietest (the valve hunts in them). In the last three its colour is not known (`Noise.clouded`).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal import lfilter
@@ -63,11 +63,13 @@ class Noise:
     Noise of a channel: standard deviation and resolution in its unit, AR(1) coefficient by row.
 
     The level includes what rounding to the resolution adds; a resolution of 0 is no rounding.
+    `clouded` noise is taken as white, as more than noise is in the pieces that would tell.
     """
 
     level: float
     correlation: float = 0.0
     resolution: float = 0.0
+    clouded: bool = False
 
     def added_to(self, signal: Array, rng: np.random.Generator) -> Array:
         """Return the signal, shape (n,), with a draw of this noise, rounded as it was recorded."""
@@ -117,8 +119,10 @@ def noise_of(signal: Array, calm: Sequence[slice]) -> Noise:
     carried = _carried(left, seen)
     expected = left_by(coefficient, curves, LAGS)
     fades = _fades(carried, expected[1:] / expected[0], drawn, len(left))
-    if small or slips or not fades or _hunts(variance, by_chance):
+    if small:
         return white
+    if slips or not fades or _hunts(variance, by_chance):
+        return replace(white, clouded=True)
     return Noise(float(np.hypot(level, np.sqrt(rounded))), coefficient, white.resolution)
 
 

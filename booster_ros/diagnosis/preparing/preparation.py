@@ -128,7 +128,10 @@ def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
     current = _current(columns, role, rows.quasi_static)
     pinned = {name: bridged(time, columns[name]) for name in role.pinned}
     calm = [] if rows.quasi_static else calm_pieces(time, [current, *pinned.values()])
-    noise = _noise(columns, calm)
+    told = {name: noise_of(values, calm) for name, values in columns.items() if name != 'time'}
+    # coloured noise is more than its differences show
+    noise = {name: max(each.level, LEAST_NOISE.get(name, 0.0)) for name, each in told.items()}
+    clouded = [name for name in role.compared if told[name].clouded]
     return Experiment(
         time=time,
         current=current,
@@ -141,7 +144,7 @@ def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
             name: _drive_noise(name, values, calm) for name, values in rows.sampled.items()},
         quasi_static=rows.quasi_static,
         begins=rows.begins,
-        notes=(*rows.notes, *_colour_notes(calm, rows.quasi_static)),
+        notes=(*rows.notes, *_colour_notes(calm, rows.quasi_static), *_clouded_notes(clouded)),
     )
 
 
@@ -267,12 +270,6 @@ def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> A
     return current
 
 
-def _noise(columns: Mapping[str, Array], calm: list[slice]) -> dict[str, float]:
-    """Return the noise level of every channel: coloured noise is more than its differences show."""
-    return {name: max(noise_of(values, calm).level, LEAST_NOISE.get(name, 0.0))
-            for name, values in columns.items() if name != 'time'}
-
-
 def _drive_noise(name: str, sampled: Array, calm: list[slice]) -> DriveNoise:
     """
     Return the noise of a measured drive from its samples, before rows between them are filled.
@@ -318,6 +315,15 @@ def _colour_notes(calm: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
     return ('what drives the valve hardly rests, nor moves smoothly for long: noise is taken as '
             'white, as its colour shows there alone; where a sensor is damped there is more of it, '
             'up to several times, and what seems to be missed may be noise',)
+
+
+def _clouded_notes(clouded: Sequence[str]) -> tuple[str, ...]:
+    if not clouded:
+        return ()
+    return (f'the noise of {" and ".join(clouded)} is taken as white: where the drives are calm, '
+            'the valve still moves (slips, hunting, a supply that ripples), which hides how noise '
+            'carries over from row to row; where a sensor is damped there is more of it than is '
+            'said here',)
 
 
 def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:
