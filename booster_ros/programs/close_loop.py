@@ -18,7 +18,8 @@ from ..diagnosis.calibration import calibrated
 from ..diagnosis.change import since_change
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment.experiment import Experiment
-from ..diagnosis.preparing.preparation import DWELL_FILLED, DWELL_PINNED, prepare
+from ..diagnosis.preparing.preparation import prepare
+from ..diagnosis.preparing.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.validation import validated
 from ..model.parameters import ParameterError, from_values

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a cleaned record to an experiment."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -12,30 +12,23 @@ from booster_ros.diagnosis.experiment.calm_pieces import calm_pieces
 from booster_ros.diagnosis.experiment.experiment import DriveNoise, Experiment
 from booster_ros.diagnosis.experiment.noise import white_noise
 from booster_ros.diagnosis.experiment.noise_colour import noise_of
-from booster_ros.diagnosis.experiment.roles import Roles, roles
+from booster_ros.diagnosis.experiment.roles import Roles
 from booster_ros.diagnosis.preparing.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.preparing.late_commands import (
     commands_may_be_late, with_noise_of_timing)
 from booster_ros.diagnosis.preparing.plausibility import (
-    check_bench, check_clock, check_direction, check_drive, check_pressures, check_scales,
-    stands_still, without_stuck)
+    check_bench, check_clock, check_direction, check_drive, check_pressures, stands_still,
+    without_stuck)
 from booster_ros.diagnosis.preparing.reversed_current import check_current
+from booster_ros.diagnosis.preparing.rows import (
+    FEWEST_ROWS, Rows, aligned, between_samples)
 from booster_ros.diagnosis.preparing.sampled_commands import with_sampled_commands
 from booster_ros.diagnosis.preparing.start_state import start_state, with_start_of_converter
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import bridged, last_known
-from booster_ros.records.time_axis import longest_usual
 
 Array = np.ndarray
-
-DWELL_PINNED = 0.25
-DWELL_FILLED = 30.0
-"""How long each row of a sweep without time stands, s: where the chamber pressure drives, only the
-stem has to follow; where the current or the back pressure does, the chamber has to fill."""
-
-FEWEST_ROWS = 12
-"""Smallest number of rows that must be comparable."""
 
 QUIETING = 25
 """Number of samples of a measured drive that are averaged to see what its noise adds."""
@@ -48,28 +41,6 @@ must not count as something that the model lacks. Sensors resolve far less.
 """
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """
-    The rows of a record that an experiment is made of, by column, SI units.
-
-    `columns` has measured drives filled between their samples, `sampled` has them as they were.
-    `time` counts from the first row, at `begins`, s in the record's clock. `usable` rows have known
-    drives. `left_out` says what of the record is not there, `notes` that and all else.
-    """
-
-    source: str
-    columns: dict[str, Array]
-    sampled: dict[str, Array]
-    role: Roles
-    time: Array
-    begins: float
-    quasi_static: bool
-    usable: Array
-    left_out: tuple[str, ...]
-    notes: tuple[str, ...]
-
-
 def prepare(
     record: Record, declared: PositionerParameters, dwell: float | None = None
 ) -> Experiment:
@@ -80,7 +51,7 @@ def prepare(
     the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
     seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
-    rows = _aligned(record, declared, dwell)
+    rows = aligned(record, declared, dwell)
     experiment = _experiment(rows, declared)
     if not rows.quasi_static:
         experiment = _without_gaps(experiment, rows, declared)
@@ -93,34 +64,7 @@ def prepare(
     return _with_noise_of_drives(experiment, declared)
 
 
-def _aligned(record: Record, declared: PositionerParameters, dwell: float | None) -> _Rows:
-    """Return the rows of a record that can be used, their drives known and on one clock."""
-    record, idle = _without_idle_command(record)
-    needed = roles(record.columns, record.source, record.ignored).compared
-    record, sparse = _without_sparse(record, needed)
-    role = roles(record.columns, record.source)
-    columns, trimmed = _from_known_start(record, role)
-    check_scales(columns, declared, record.source)
-    sampled = {name: columns[name] for name in role.pinned}
-    time = columns.get('time')
-    quasi_static = time is None
-    begins = 0.0
-    if time is None:
-        time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
-    else:
-        columns |= {name: _between_samples(time, values) for name, values in sampled.items()}
-        if time[0] != 0.0:  # what warms up or swings does so from where the record begins
-            begins = float(time[0])
-            trimmed = (*trimmed, f'time counted from the first row used, at {begins:.9g} s')
-            time = time - begins
-    return _Rows(
-        source=record.source, columns=columns, sampled=sampled, role=role, time=time,
-        begins=begins, quasi_static=quasi_static,
-        usable=_usable_rows(time, columns, role, quasi_static), left_out=(*sparse, *trimmed),
-        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)))
-
-
-def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
+def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:
     """Return the experiment of these rows, with the noise and the start that they show."""
     columns, role, time = rows.columns, rows.role, rows.time
     compared = {name: np.where(rows.usable, columns[name], np.nan) for name in role.compared}
@@ -138,7 +82,7 @@ def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
         measured=compared,
         noise={name: noise[name] for name in role.compared},
         pinned=pinned,
-        initial=start_state({name: values if np.isfinite(values[0]) else _between_samples(
+        initial=start_state({name: values if np.isfinite(values[0]) else between_samples(
             columns.get('time'), values) for name, values in columns.items()}, declared, noise),
         drive_noise={} if rows.quasi_static else {
             name: _drive_noise(name, values, calm) for name, values in rows.sampled.items()},
@@ -148,7 +92,7 @@ def _experiment(rows: _Rows, declared: PositionerParameters) -> Experiment:
     )
 
 
-def _without_gaps(experiment: Experiment, rows: _Rows, declared: PositionerParameters
+def _without_gaps(experiment: Experiment, rows: Rows, declared: PositionerParameters
                   ) -> Experiment:
     """Return the experiment without the rows that show what went on in gaps of its drives."""
     gaps = gaps_that_hide(rows.time, rows.columns, rows.role.drives)
@@ -189,75 +133,6 @@ def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters
     return experiment
 
 
-def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """Return the record of a sweep without a current that is 0 in every row that is compared."""
-    current = record.columns.get('control_current')
-    if current is None or 'time' in record or np.any(np.nan_to_num(current[1:])):
-        return record, ()
-    others = {name: values for name, values in record.columns.items() if name != 'control_current'}
-    return replace(record, columns=others), (
-        'control_current is 0 A in every row that a sweep is compared in: it did not drive it',)
-
-
-def _without_sparse(record: Record, compared: Collection[str]) -> tuple[Record, tuple[str, ...]]:
-    """Return the record without channels of too few values to compare, if others have enough."""
-    counts = {name: int(np.isfinite(record[name]).sum()) for name in compared}
-    sparse = {name: count for name, count in counts.items() if count < FEWEST_ROWS}
-    if len(sparse) == len(counts):
-        return record, ()
-    others = {name: values for name, values in record.columns.items() if name not in sparse}
-    return replace(record, columns=others), tuple(
-        f'{name} is not compared: it has {count} of the {FEWEST_ROWS} values needed'
-        for name, count in sparse.items())
-
-
-def _from_known_start(
-    record: Record, role: Roles
-) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Return the columns from the first row with drives and start to the last row with drives."""
-    drives = list(role.drives)
-    needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
-    time = record.columns.get('time')
-    known = {name: np.isfinite(record[name] if name == 'control_current' else
-                               _between_samples(time, record[name])) for name in needed}
-    driven, started = (np.all([known[name] for name in names], axis=0)
-                       if names else np.ones(len(record), dtype=bool) for names in (drives, needed))
-    if not started.any():
-        raise RecordError(f'{record.source}: no row has all of {", ".join(needed)}')
-    first, last = int(np.argmax(started)), len(record) - int(np.argmax(driven[::-1]))
-    columns = {name: np.asarray(values[first:last]) for name, values in record.columns.items()}
-    return columns, (*_left_out(record, needed, 0, first), *_left_out(record, drives, last, None))
-
-
-def _left_out(record: Record, needed: list[str], first: int, last: int | None) -> tuple[str, ...]:
-    """Return a sentence on the rows at an end that were left out, if any."""
-    rows = record.rows[first:last]
-    if not len(rows):
-        return ()
-    lacking = [name for name in needed if not np.isfinite(record[name][first:last]).all()]
-    return (f'rows {rows[0]} to {rows[-1]} left out: they lack {" or ".join(lacking)}',)
-
-
-def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
-    step = dwell or (DWELL_PINNED if 'chamber_pressure' in role.pinned else DWELL_FILLED)
-    return step * np.arange(rows)
-
-
-def _usable_rows(
-    time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
-) -> Array:
-    """Return which rows have known drives that, in a sweep, were dwelt on."""
-    usable = np.ones(len(time), dtype=bool)
-    if not role.drives:
-        return usable
-    for name in role.drives:
-        usable &= np.isfinite(columns[name])
-    if quasi_static:
-        # a sweep of currents starts settled at its first one; only later ones were dwelt on
-        usable[0] &= not role.commanded
-    return usable
-
-
 def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
     """Return the current that stands from each row to the next."""
     if not role.commanded:
@@ -282,31 +157,12 @@ def _drive_noise(name: str, sampled: Array, calm: list[slice]) -> DriveNoise:
     return DriveNoise(max(float(level), LEAST_NOISE[name]), every, coloured.correlation)
 
 
-def _between_samples(time: Array | None, values: Array) -> Array:
-    """Return values sampled more slowly than the rows, filled except in gaps of their own."""
-    if time is None:
-        return values
-    known = time[np.isfinite(values)]
-    if len(known) < 3:
-        return values
-    after = np.searchsorted(known, time).clip(1, len(known) - 1)
-    near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
-    near &= (time >= known[0]) & (time <= known[-1])
-    return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
-
-
 def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> None:
     rows = max(int(np.isfinite(values).sum()) for values in compared.values())
     if rows < FEWEST_ROWS:
         raise RecordError(
             '; '.join((f'{source}: only {rows} rows can be compared with the model, at least '
                        f'{FEWEST_ROWS} are needed', *notes)))
-
-
-def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:
-    if not quasi_static:
-        return ()
-    return (f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row',)
 
 
 def _colour_notes(calm: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
