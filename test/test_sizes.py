@@ -15,7 +15,7 @@ from booster_ros.diagnosis.fitting.fit import START, Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import (
     BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, loosened, put)
 from booster_ros.diagnosis.fitting.intervals import (
-    block_bootstrap, interval_of, own_sizes, undetermined)
+    block_bootstrap, interval_of, own_sizes, traded, undetermined)
 from booster_ros.diagnosis.last_fit import LastFit
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.result import FoundEffect
@@ -127,6 +127,23 @@ def test_a_size_that_its_shape_can_stand_for_is_said_to_be_known_only_with_it(ti
     assert len(sentences) == said
     assert all('ep_converter.drift and ep_converter.drift_time_constant' in one
                for one in sentences)
+
+
+def test_single_slips_do_not_tell_a_drift_at_its_bound_from_its_time_constant():
+    """A drift that has hardly begun is known as so many Pa a second, beside a stem that sticks."""
+    bound = EFFECTS['ep_drift'].knobs[0].high / EFFECTS['ep_drift'].knobs[0].typical
+    z = np.array([bound, 12.0])
+    problem, draws, fit = made_fit('ep_drift', z, z + 0.1 * RNG.standard_normal((400, 2)))
+    columns = np.zeros((len(TIME), len(fit.z)))
+    columns[:, 0], columns[:, 1] = 0.01 * TIME, -0.02 * TIME
+    slips = RNG.choice(len(TIME), 20, replace=False)
+    columns[slips, 1] += RNG.standard_normal(20)
+    free = replace(fit, jacobian=columns)
+    sticking = replace(free, parameters=put(P, 'actuator.coulomb_friction', 300.0))
+    assert traded(problem, free, 'ep_drift') == []
+    assert undetermined(problem, draws, free, 'ep_drift').endswith('runs into its bound')
+    assert traded(problem, sticking, 'ep_drift') == ['ep_converter.drift']
+    assert undetermined(problem, draws, sticking, 'ep_drift') == ''
 
 
 def test_two_sizes_of_which_only_the_sum_is_known_stand_together():

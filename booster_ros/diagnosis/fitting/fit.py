@@ -178,6 +178,13 @@ class Problem:
         """Return d(means)/dz as `jacobian` does; `here` are the means at z."""
         return self._slopes(self.means, z, here, before)
 
+    def means_of(self, slopes: Array) -> Array:
+        """Return the means over windows of slopes of rows, priors left out, as those of `means`."""
+        ends = np.cumsum([len(slips.window) for slips in self.slips])
+        return np.concatenate([
+            np.apply_along_axis(slips.means, 0, part)
+            for slips, part in zip(self.slips, np.split(slopes[:ends[-1]], ends[:-1]))])
+
     def _slopes_through_slips(self, z: Array, here: Array, before: Array | None = None) -> Array:
         return self._slopes(self.through_slips, z, here, before)
 

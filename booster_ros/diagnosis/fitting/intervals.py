@@ -10,6 +10,7 @@ from scipy.optimize import lsq_linear
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import Free
 from booster_ros.diagnosis.fitting.valley import slopes_along_axes
+from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.parameters import DESCRIPTIONS
 
@@ -286,14 +287,21 @@ def undetermined(problem: Problem, draws: Array, fit: Fit, effect: str) -> str:
 
 
 def traded(problem: Problem, fit: Fit, effect: str) -> list[str]:
-    """Return the effect's sizes whose trace its shapes can imitate: known only with those."""
+    """
+    Return the effect's sizes whose trace its shapes can imitate: known only with those.
+
+    Where the stem sticks, traces are those in means over many slips: in single rows a slip that
+    comes a little later is far more than what tells a size from a shape.
+    """
+    traces = problem.means_of(fit.jacobian) if has_dry_friction(
+        fit.parameters.actuator) else fit.jacobian
     sizes, shapes = (
         [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in wanted]
         for wanted in (sizes_of(effect), shapes_of(effect)))
     found = []
     for j in sizes:
-        trace = fit.jacobian[:, j]
-        imitated = fit.jacobian[:, shapes] @ np.linalg.lstsq(fit.jacobian[:, shapes], trace)[0]
+        trace = traces[:, j]
+        imitated = traces[:, shapes] @ np.linalg.lstsq(traces[:, shapes], trace)[0]
         if np.sum((trace - imitated)**2) < SAME_TRACE * np.sum(trace**2):
             found.append(problem.freedoms[j].knob.parameter)
     return found
