@@ -8,7 +8,7 @@ import pytest
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.searching.unknown import followed
+from booster_ros.diagnosis.searching.course import followed
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import Plant, simulate
 

@@ -62,6 +62,7 @@ def errors_fall_to_the_noise(report, much=1.3):
     ('leak_opens_with_travel', 'large', 60.0, 'valve_position or chamber_pressure'),
     ('bulging_diaphragm', 'medium', 60.0, 'valve_position'),
     pytest.param('converter_creep', 'large', 90.0, 'control_current_change', marks=minutes),
+    pytest.param('slow_venting', 'medium', 90.0, 'back_pressure_error', marks=minutes),
     pytest.param('spring_creep', 'medium', 150.0, 'valve_position_change', marks=minutes),
     pytest.param('spool_holes', 'medium', 150.0, 'booster_force', marks=minutes),
     pytest.param('relay_friction', 'medium', 90.0, 'booster_force_play', marks=minutes),
@@ -126,6 +127,17 @@ def test_what_follows_a_recent_change_is_found_with_the_time_it_takes(tmp_path):
     assert best.effects == ('unknown: ep_converter over control_current_change',)
     assert best.misfit < 0.03 * refit.misfit
     assert best.fit.parameters.discrepancy.memory == pytest.approx(15.0, rel=0.1)
+
+
+def test_what_is_slower_one_way_is_found_in_the_lag(tmp_path):
+    """Of a converter that vents eleven times as slowly as it fills."""
+    search = search_on((large('slow_venting'),), 11, tmp_path)
+    refit, best = refit_and_best_term(search)
+    assert best.effects == ('unknown: ep_converter_lag over back_pressure_error',)
+    assert best.misfit < min(2.0, 0.03 * refit.misfit)
+    lag = best.fit.parameters.discrepancy
+    slower = np.exp(np.interp([-20e3, -5e3, 5e3, 20e3], lag.knots, lag.values))
+    assert slower == pytest.approx([11.0, 11.0, 1.0, 1.0], rel=0.35)
 
 
 def test_what_follows_a_play_is_found_with_the_width_it_has(tmp_path):

@@ -32,11 +32,15 @@ def test_an_unnamed_term_is_shown_with_its_variable_place_and_range():
 @pytest.mark.parametrize('location', range(1, len(discrepancy.LOCATIONS)))
 def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
     place = discrepancy.LOCATIONS[location]
-    variable = discrepancy.VALVE_POSITION if location == discrepancy.CHAMBER_VOLUME else (
-        discrepancy.TIME)
+    variable = {
+        discrepancy.CHAMBER_VOLUME: discrepancy.VALVE_POSITION,
+        discrepancy.EP_CONVERTER_LAG: discrepancy.BACK_PRESSURE_ERROR,
+    }.get(location, discrepancy.TIME)
     size = {'ep_converter': 1e4, 'booster': 0.1, 'supply': 1e4, 'chamber': 1e-5, 'stem': 300.0,
-            'pressure_sensor': 1e3, 'position_sensor': 1e-4, 'chamber_volume': 1e-4}[place]
-    knots = tuple(np.linspace(-1.0, 40.0, discrepancy.KNOTS))
+            'pressure_sensor': 1e3, 'position_sensor': 1e-4, 'chamber_volume': 1e-4,
+            'ep_converter_lag': 3.0}[place]
+    last = 50e3 if variable == discrepancy.BACK_PRESSURE_ERROR else 40.0
+    knots = tuple(np.linspace(-1.0, last, discrepancy.KNOTS))
     table = discrepancy.Discrepancy(location, variable, knots, (size,) * discrepancy.KNOTS)
     time = np.arange(0.0, 30.0, 0.1)
     current = np.where(time < 10.0, 3.8e-4, 4.4e-4)
@@ -50,6 +54,7 @@ def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
         'towards open': ('measured_valve_position', 1.0),
         'added to the reading': ('measured_chamber_pressure' if place == 'pressure_sensor'
                                  else 'measured_valve_position', 1.0),
+        'slower, 1 being 2.7 times as slow': ('back_pressure', -1.0),  # of one that rises
         'more volume': ('measured_chamber_pressure', -1.0),  # later: the same air in more space
     }[positive_is(place)]
     rising = (time > 10.0) & (time < 14.0)

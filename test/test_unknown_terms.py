@@ -18,7 +18,8 @@ from booster_ros.diagnosis.searching import nameless
 from booster_ros.diagnosis.searching.nameless import TOO_LITTLE, best_terms, compete
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught
-from booster_ros.diagnosis.searching.unknown import UNNAMED, followed, terms, with_term
+from booster_ros.diagnosis.searching.course import followed
+from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
 from booster_ros.model.discrepancy import (
     BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME,
     VARIABLES, Discrepancy, covered, forgets, remembers)

@@ -27,7 +27,8 @@ from booster_ros.diagnosis.searching.candidate import Candidate
 from booster_ros.diagnosis.searching.nameless import FAITHFUL, FORESEEN, leave_less
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.unknown import beyond, place_of
+from booster_ros.diagnosis.searching.course import beyond
+from booster_ros.diagnosis.searching.unknown import place_of
 from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray

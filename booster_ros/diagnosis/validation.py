@@ -11,7 +11,7 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.left_open import with_left_open
 from booster_ros.diagnosis.repeatability import chance
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, errors_of
-from booster_ros.diagnosis.searching.unknown import beyond
+from booster_ros.diagnosis.searching.course import beyond
 from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
 

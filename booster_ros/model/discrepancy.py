@@ -17,19 +17,20 @@ from .ep_converter import play
 from .quantity import Quantity
 
 LOCATIONS = ('none', 'ep_converter', 'booster', 'supply', 'chamber', 'stem', 'pressure_sensor',
-             'position_sensor', 'chamber_volume')
-LOCATION_UNITS = ('-', 'Pa', 'N', 'Pa', 'kg/s', 'N', 'Pa', 'm', 'm^3')
+             'position_sensor', 'chamber_volume', 'ep_converter_lag')
+LOCATION_UNITS = ('-', 'Pa', 'N', 'Pa', 'kg/s', 'N', 'Pa', 'm', 'm^3', '-')
 NONE, EP_CONVERTER, BOOSTER, SUPPLY, CHAMBER, STEM, PRESSURE_SENSOR, POSITION_SENSOR, \
-    CHAMBER_VOLUME = range(9)
+    CHAMBER_VOLUME, EP_CONVERTER_LAG = range(10)
 
 # Variables with a past come last: compiled code tells them by number (`remembers`, `forgets`).
 VARIABLES = ('time', 'control_current', 'back_pressure', 'supply_pressure', 'chamber_pressure',
-             'valve_position', 'stem_velocity', 'booster_force', 'control_current_change',
-             'chamber_pressure_change', 'valve_position_change', 'booster_force_play')
-VARIABLE_UNITS = ('s', 'A', 'Pa', 'Pa', 'Pa', 'm', 'm/s', 'N', 'A', 'Pa', 'm', '-')
+             'valve_position', 'stem_velocity', 'booster_force', 'back_pressure_error',
+             'control_current_change', 'chamber_pressure_change', 'valve_position_change',
+             'booster_force_play')
+VARIABLE_UNITS = ('s', 'A', 'Pa', 'Pa', 'Pa', 'm', 'm/s', 'N', 'Pa', 'A', 'Pa', 'm', '-')
 TIME, CONTROL_CURRENT, BACK_PRESSURE, SUPPLY_PRESSURE, CHAMBER_PRESSURE, VALVE_POSITION, \
-    STEM_VELOCITY, BOOSTER_FORCE, CURRENT_CHANGE, PRESSURE_CHANGE, POSITION_CHANGE, \
-    FORCE_PLAY = range(12)
+    STEM_VELOCITY, BOOSTER_FORCE, BACK_PRESSURE_ERROR, CURRENT_CHANGE, PRESSURE_CHANGE, \
+    POSITION_CHANGE, FORCE_PLAY = range(13)
 
 CHANGE_OF = {CURRENT_CHANGE: CONTROL_CURRENT, PRESSURE_CHANGE: CHAMBER_PRESSURE,
              POSITION_CHANGE: VALVE_POSITION}
@@ -53,7 +54,8 @@ class Discrepancy(NamedTuple):
     )] = tuple(map(float, range(KNOTS)))
     values: Annotated[tuple[float, ...], Quantity(
         'Pa (ep_converter, supply, pressure_sensor), N (booster, stem), kg/s (chamber), '
-        'm (position_sensor), m^3 (chamber_volume)',
+        'm (position_sensor), m^3 (chamber_volume), - (ep_converter_lag: logarithm of how many '
+        'times as slow)',
         f'the term at {KNOTS} values of the variable',
     )] = (0.0,) * KNOTS
     memory: Annotated[float, Quantity(
@@ -84,11 +86,14 @@ def can_depend(location: int, variable: int) -> bool:
     Tell whether the term of a component can follow a variable.
 
     A term of the supply can follow time alone, one of the chamber's volume only position or
-    pressure. The booster's force is no input of converter and stem, and has a play in the booster
-    only.
+    pressure, one of the converter's lag only how far the back pressure still has to go, its error,
+    which no other term can follow. The booster's force is no input of converter and stem, and has a
+    play in the booster only.
     """
     if location == SUPPLY:
         return variable == TIME
+    if location == EP_CONVERTER_LAG or variable == BACK_PRESSURE_ERROR:
+        return location == EP_CONVERTER_LAG and variable == BACK_PRESSURE_ERROR
     if location == CHAMBER_VOLUME:
         return variable in (CHAMBER_PRESSURE, VALVE_POSITION)
     if variable == FORCE_PLAY:

@@ -63,6 +63,17 @@ def settled_back_pressure(
     return min(max(linear + discrepancy, 0.0), max(supply, 0.0))
 
 
-def back_pressure_rate(ep: EpConverter, back_pressure: float, settled: float) -> float:
-    """Return d(back pressure)/dt, Pa/s."""
-    return (settled - back_pressure) / ep.time_constant
+QUICKEST, SLOWEST = -2.3, 10.0
+"""Ends of the natural logarithm of how many times as slow as its time constant a converter is."""
+
+
+def back_pressure_rate(
+    ep: EpConverter, back_pressure: float, settled: float, discrepancy: float
+) -> float:
+    """
+    Return d(back pressure)/dt, Pa/s.
+
+    `discrepancy` is the natural logarithm of how many times as slow a record showed it to be.
+    """
+    slower = math.exp(min(max(discrepancy, QUICKEST), SLOWEST)) if discrepancy != 0.0 else 1.0
+    return (settled - back_pressure) / (ep.time_constant * slower)

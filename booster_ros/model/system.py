@@ -24,9 +24,9 @@ from .tubing import Tubing, outlet_pressure_rate, tube_flow
 # For each variable of a term: the state that it is, or whose change it is, -1 where there is none;
 # and the unit in which its state `past` is of order one, 0 where it has no past.
 STATE_OF_VARIABLE = (
-    -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, CHAMBER, POSITION, -1)
+    -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, -1, CHAMBER, POSITION, -1)
 
-PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
+PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
 
 SMALLEST_VOLUME = 0.05
 """Least volume of the chamber, as a share of the dead volume: the space between solid parts."""
@@ -212,7 +212,10 @@ def derivatives(
     if p.discrepancy.location == term.EP_CONVERTER:
         extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
     settled = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
-    rates[BACK] = back_pressure_rate(p.ep_converter, y[BACK], settled)
+    extra = 0.0
+    if p.discrepancy.location == term.EP_CONVERTER_LAG:
+        extra = interpolate(p.discrepancy, settled - y[BACK])
+    rates[BACK] = back_pressure_rate(p.ep_converter, y[BACK], settled, extra)
 
     force = booster_force(p, time, current, y)
     _, _, into, out = seat_flows(p, force, y, gas_temperature)

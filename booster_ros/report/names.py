@@ -14,6 +14,7 @@ _CHANNELS = {
     'valve_position': 'valve position',
     'stem_velocity': 'stem velocity',
     'booster_force': 'booster force',
+    'back_pressure_error': 'way that the back pressure still has to go',
     'control_current_change': 'recent change of the control current',
     'chamber_pressure_change': 'recent change of the chamber pressure',
     'valve_position_change': 'recent change of the valve position',
@@ -32,6 +33,7 @@ _PLACES = {
     'pressure_sensor': 'the pressure sensor',
     'position_sensor': 'the position sensor',
     'chamber_volume': 'the volume of the actuator chamber',
+    'ep_converter_lag': 'the lag of the E/P converter',
 }
 
 _POSITIVE = {
@@ -43,6 +45,7 @@ _POSITIVE = {
     'pressure_sensor': 'added to the reading',
     'position_sensor': 'added to the reading',
     'chamber_volume': 'more volume',
+    'ep_converter_lag': 'slower, 1 being 2.7 times as slow',
 }
 
 

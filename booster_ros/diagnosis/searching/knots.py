@@ -14,8 +14,32 @@ Array = np.ndarray
 EVENLY = 0.4
 """Share of the knots that stay spread evenly, however much a term bends in one place."""
 
+CROWDED = 4.0
+"""Power with which knots about zero lie further apart the further off they are."""
+
+LEAST_SPACING = 1e-9
+"""Share of a variable that hardly changes by which knots are apart: rounding shifts none over
+another."""
+
 NO_TURN = 1e-6
 """Share of the steepest slope: slopes that differ by less are the same but for rounding."""
+
+
+def evenly(low: float, high: float) -> Array:
+    """Return knots at equal distances, shape (KNOTS,), the inner ones from `low` to `high`."""
+    spacing = max((high - low) / (KNOTS - 3), LEAST_SPACING * max(abs(low), abs(high)), 1e-12)
+    return low + spacing * np.arange(-1.0, KNOTS - 1)
+
+
+def about_zero(low: float, high: float) -> Array:
+    """
+    Return knots that are dense about zero, shape (KNOTS,), as many below it as above.
+
+    An error fades: most rows have little of it, and rising and falling differ from zero on.
+    """
+    shares = (np.arange(1.0, KNOTS // 2 + 1) / (KNOTS // 2 - 1))**CROWDED
+    least = LEAST_SPACING * max(abs(low), abs(high), 1.0)
+    return np.r_[-max(-low, least) * shares[::-1], max(high, least) * shares]
 
 
 def with_knots(problem: Problem, knots: Array) -> Problem:

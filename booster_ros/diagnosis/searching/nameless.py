@@ -47,11 +47,14 @@ POINTED_AT = 2.0
 """
 Multiples of the least cost that a term reaches by linear reckoning: terms up to the first are
 tried, and up to the second they begin where the reckoning points. For the others, the reckoning is
-far off where much is missing.
+far off where much is missing. What a lag does is far from straight: it is tried whatever the
+reckoning says, and does not begin where that points.
 """
 
 TOO_LITTLE = 'fitted to all but the locked part, it explains too little'
 """Reason why a term without a name is not added that comes nearest to what is missing."""
+
+_NEED_A_CLOCK = (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR)
 
 LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
@@ -237,7 +240,8 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     Linear reckoning ranks terms badly where a stem sits on its seat until it jumps, or where the
     refit of the declared parameters has gone far to imitate what is missing. So the first steps of
     a fit decide; those of a term that ranks badly begin at the parameters as given. In a sweep, no
-    term over a change is tried: its rows are no time in which anything could be forgotten.
+    term over a change and none of a lag is tried: its rows are no time in which anything could be
+    forgotten, or come late.
     """
     experiment, thin = search.experiment, refit.problem
     still = np.ptp(experiment.current) == 0.0 and all(
@@ -245,7 +249,7 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     likely = [one for one in terms(experiment.channels, search.declared)
               if one.place in search.places
               and not (foreseen and still and one.variable == term.TIME)
-              and not (experiment.quasi_static and one.variable in term.CHANGE_OF)]
+              and not (experiment.quasi_static and one.variable in _NEED_A_CLOCK)]
     seen, _ = search.rows_and_experiment(USED, search.thinning)
     reference = thin.at(refit.fit.z)
     reached: dict[str, tuple[float, Array, Array, Problem]] = {}
@@ -256,8 +260,10 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     least = min((cost for cost, *_ in reached.values()), default=0.0)
     begun: dict[str, tuple[float, Problem, Array]] = {}
     for label, (cost, z, move, joint) in reached.items():
-        if cost < WITHIN_REACH * least:
-            start = moved(joint, z, move) if cost < POINTED_AT * least else joint.start()
+        bends = joint.base.discrepancy.location == term.EP_CONVERTER_LAG
+        if bends or cost < WITHIN_REACH * least:
+            pointed = cost < POINTED_AT * least and not bends
+            start = moved(joint, z, move) if pointed else joint.start()
             problem, start = with_free_past(joint, start)
             first = problem.fit(start, evaluations=FIRST_EVALUATIONS)
             begun[label] = (first.cost, problem, first.z)

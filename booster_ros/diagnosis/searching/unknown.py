@@ -10,24 +10,21 @@ follows a change is tried with a few times of memory, one that follows a play wi
 it, and each is fitted from the best of them.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.descent import straight
 from booster_ros.diagnosis.fitting.fit import START, Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import Free
 from booster_ros.diagnosis.fitting.proportion import PAPER, proportion
+from booster_ros.diagnosis.searching.course import range_followed
+from booster_ros.diagnosis.searching.knots import about_zero, evenly
 from booster_ros.model import discrepancy as term
-from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.catalogue import Knob
-from booster_ros.model.discrepancy import (
-    KNOTS, Discrepancy, past_at_rest, place_in_play)
-from booster_ros.model.sensors import lagged
-from booster_ros.model.system import PAST_UNIT, PositionerParameters
-from booster_ros.records.holding import bridged
+from booster_ros.model.discrepancy import KNOTS, Discrepancy
+from booster_ros.model.ep_converter import QUICKEST, SLOWEST
+from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
@@ -36,6 +33,7 @@ Array = np.ndarray
 # behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
+    (term.EP_CONVERTER_LAG, 1.0, (term.BACK_PRESSURE_ERROR,)),
     (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
     (term.BOOSTER, 0.002, (term.FORCE_PLAY,)),
     (term.SUPPLY, 1e3, (term.TIME,)),
@@ -71,15 +69,12 @@ UNNAMED = 'unknown: '
 """Prefix of the label of a term, where models are listed by their effects."""
 
 _PLACES = {
-    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber'}
+    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber',
+    'ep_converter_lag': 'ep_converter'}
 """Locations as reports print them, where they differ from the table's."""
 
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Parts of the linear move that are tried: far away the model bends."""
-
-LEAST_SPACING = 1e-9
-"""Share of a variable that hardly changes by which knots are apart: rounding shifts none over
-another."""
 
 WIDEST = 1.0
 """
@@ -153,54 +148,6 @@ def _with_pasts(one: Term, larger: float) -> list[Term]:
     return [one]
 
 
-def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array], past: float = 0.0
-             ) -> Array:
-    """
-    Return the variable of the term in these parameters over time (s), shape (n,).
-
-    `columns` are channels of a run or a record. For a change, they must include the variable that
-    changes; for a play of the booster's force, all pressures that make up that force. `past` is
-    that of the start's `Departure`. A change of the current is that of the current as given, which
-    a dead time or a hysteresis hides from the model for a while.
-    """
-    table = p.discrepancy
-    if term.has_play(table):
-        return _places_in_play(p, columns, past * PAST_UNIT[term.FORCE_PLAY])
-    if table.variable not in term.CHANGE_OF:
-        return columns[term.VARIABLES[table.variable]]
-    now = columns[term.VARIABLES[term.CHANGE_OF[table.variable]]]
-    remembered = np.empty(len(now))
-    remembered[0] = now[0] + past * PAST_UNIT[table.variable]
-    stands = table.variable == term.CURRENT_CHANGE  # a command stands until the next
-    for k in range(1, len(now)):
-        step, end = time[k] - time[k - 1], now[k - 1] if stands else now[k]
-        remembered[k] = remembered[k - 1] if step <= 0.0 else lagged(
-            remembered[k - 1], now[k - 1], end, table.memory, step)
-    return now - remembered
-
-
-def _places_in_play(p: PositionerParameters, columns: Mapping[str, Array], past: float) -> Array:
-    """Return where in its play the booster's force stands row by row, -1 to 1, shape (n,)."""
-    pressures = np.column_stack(
-        [columns[name] for name in ('back_pressure', 'outlet_pressure', 'supply_pressure')])
-    places = np.empty(len(pressures))
-    for k, (back, outlet, supply) in enumerate(pressures.tolist()):
-        force = diaphragm_force(p.booster, back, outlet, supply)
-        if k == 0:
-            past += past_at_rest(p.discrepancy, force)
-        places[k] = place_in_play(p.discrepancy, past, force)
-        past = force - p.discrepancy.reach * places[k]
-    return np.clip(places, -1.0, 1.0)  # but for rounding they are
-
-
-def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParameters,
-           initial: Initial) -> Array:
-    """Tell of each row, shape (n,), whether a run takes the variable of its term beyond `seen`."""
-    run = experiment.simulate(p, initial)
-    course = followed(p, experiment.time, run.columns, initial.departure.past)
-    return (course < seen[0]) | (course > seen[1])
-
-
 def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
     """
     Return the problem with the table's inner values free, over the range in the rows `seen`.
@@ -217,41 +164,16 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
         longer = empty._replace(memory=LONGER * one.memory)
-        low, high = _range(problem, reference, longer, seen)
-    spacing = max((high - low) / (KNOTS - 3), LEAST_SPACING * max(abs(low), abs(high)), 1e-12)
-    table = empty._replace(knots=tuple((low + spacing * np.arange(-1.0, KNOTS - 1)).tolist()))
-    knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
+        low, high = range_followed(problem, reference, longer, seen)
+    spread = about_zero if one.variable == term.BACK_PRESSURE_ERROR else evenly
+    table = empty._replace(knots=tuple(spread(low, high).tolist()))
+    least, most = (QUICKEST, SLOWEST) if one.location == term.EP_CONVERTER_LAG else (
+        -1e3 * one.size, 1e3 * one.size)
+    knob = Knob('discrepancy.values', one.size, least, most)
     values_free = tuple(
         Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
     return Problem(problem.experiment, problem.rows, problem.base._replace(discrepancy=table),
                    problem.freedoms + values_free)
-
-
-def _range(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
-    """Return the lowest and the highest value of a term's variable, but for stray ones."""
-    values = _course(problem.experiment, reference, table, seen)[seen]
-    if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
-        given = problem.parameters(problem.start())
-        run = problem.experiment.simulate(given, reference.initial)
-        read = followed(given._replace(discrepancy=table), run['time'], run.columns)
-        values = np.r_[values, read[seen]]
-    return np.quantile(values[np.isfinite(values)], [0.002, 0.998])
-
-
-def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
-    """
-    Return the variable of a term as measured, or as simulated where no row `seen` has a reading.
-
-    For a change, the variable that changes runs straight across a gap.
-    """
-    name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
-    values = experiment.measured.get(name)
-    if values is None or not np.isfinite(values[seen]).any():
-        values = experiment.simulate(reference.parameters, reference.initial)[name]
-    elif table.variable in term.CHANGE_OF:
-        values = bridged(experiment.time, values)
-    p = reference.parameters._replace(discrepancy=table)
-    return followed(p, experiment.time, {name: np.asarray(values)})
 
 
 def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
