@@ -115,6 +115,18 @@ def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
     assert json.loads(json_text(unknown_found(), FROM))['unknown']['reach'] is None
 
 
+def test_an_unnamed_term_in_the_lag_says_how_slow_it_is_and_asks_for_steps():
+    table = discrepancy.Discrepancy(
+        discrepancy.EP_CONVERTER_LAG, discrepancy.BACK_PRESSURE_ERROR,
+        tuple(np.linspace(-33e3, 33e3, 12)), (0.0,) * 6 + (2.0, 2.0, 3.0, 3.0, 3.0, 0.0))
+    page = Page(html_page(unknown_over(table), FROM))
+    assert 'At the most it is 20.1 times as slow as its time constant says' in page.text
+    assert 'Added in the lag of the E/P converter (positive: slower' in page.text
+    assert 'step the control current by little and by much' in page.text
+    assert 'vary the way' not in page.text
+    assert 'times as slow as its time constant' not in Page(html_page(unknown_found(), FROM)).text
+
+
 def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):
     diagnosis = refused_found()
     assert verdict_title(diagnosis) == 'The model lacks something that no named effect explains'

@@ -181,6 +181,7 @@ def _unknown(view: View) -> str:
     first, last = term.seen
     seen, seen_si = (f'{words(first)} to {words(last)}' for words in (
         over.text, lambda value: si_text(value, term.variable_unit)))
+    unit = f', in {size.unit}' if size.unit else ''
     also = '' if seen == seen_si else f' ({seen_si})'
     beyond = ('Dotted: beyond, where nothing was seen, it fades to zero, no more steeply than it '
               'runs.')
@@ -189,7 +190,7 @@ def _unknown(view: View) -> str:
     return section(
         'The term without a name',
         paragraph(
-            f'Added in {place_label(term.location)}, in {size.unit} (positive: '
+            f'Added in {place_label(term.location)}{unit} (positive: '
             f'{positive_is(term.location)}), as a function of the '
             f'{channel_label(term.variable)} from {seen}{also}. {beyond} Below it: how many rows '
             'of the record were where. Where there are few, the table says little.'),

@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A term without a name in sentences: what it is, what else it may be, what would show it."""
 
+import math
+
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
+from booster_ros.model.ep_converter import SLOWEST
 from booster_ros.report.engineering import common_scale, number, scale_of
 from booster_ros.report.errors import unseen
 from booster_ros.report.names import (
@@ -27,8 +30,8 @@ def sentence_on_unknown(unknown: UnknownTerm) -> str:
         f'It depends on the {channel_label(unknown.variable)}, was seen from '
         f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
         f'and reaches {size.text(largest)} (positive: {positive_is(unknown.location)})'
-        f'{_memory(unknown)}. It is in the model as a table that fades to zero outside that '
-        f'range{elsewhere}.'
+        f'{_memory(unknown)}.{_how_slow(unknown)} It is in the model as a table that fades to zero '
+        f'outside that range{elsewhere}.'
     )
 
 
@@ -36,6 +39,13 @@ def _memory(unknown: UnknownTerm) -> str:
     if unknown.memory is None:
         return ''
     return f'; what was is forgotten over {number(unknown.memory)} s'
+
+
+def _how_slow(unknown: UnknownTerm) -> str:
+    if unknown.variable != 'back_pressure_error':
+        return ''
+    slowest = math.exp(min(max(map(float, unknown.values)), SLOWEST))
+    return f' At the most it is {number(slowest)} times as slow as its time constant says.'
 
 
 def unknown_rivals(diagnosis: Diagnosis) -> list[str]:
@@ -50,6 +60,9 @@ def unknown_experiment(unknown: UnknownTerm) -> str:
     if unknown.variable == 'time':
         return ('record the same currents again, at another hour: what stays with the clock comes '
                 'from outside, what stays with the currents from the valve')
+    if unknown.variable == 'back_pressure_error':
+        return ('step the control current by little and by much, up and down, with the back '
+                'pressure recorded: it shows by itself how fast it comes each way')
     there = f'with the channels on both sides of {place_label(unknown.location)} recorded'
     if unknown.memory is not None:
         return (f'make one step and let it stand ten times {number(unknown.memory)} s, {there}: '
