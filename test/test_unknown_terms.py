@@ -112,6 +112,22 @@ def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
     assert nameless.best_terms(search, Tried(missing, missing, (missing,), {})) == []
     assert 'stem over valve_position' in tried_labels
     assert any(label.endswith('_change') for label in tried_labels) is not swept
+    assert ('ep_converter_lag over back_pressure_error' in tried_labels) is not swept
+
+
+@pytest.mark.parametrize('measured', [False, True])
+def test_what_lies_upstream_of_a_measured_drive_is_no_place(measured, monkeypatch):
+    experiment = too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5), share=0.5)
+    if measured:
+        run = simulate(P, experiment.time, experiment.current, {'chamber_pressure': 1.7e5})
+        experiment = replace(experiment, pinned={'back_pressure': run['back_pressure']})
+    monkeypatch.setattr(nameless, 'LIKELY_TERMS', 100)
+    search = searching(experiment, ())
+    places = {label.split(' over ')[0]
+              for label, *_ in nameless._likely(search, search.refit(), foreseen=False)}
+    assert 'stem' in places
+    assert ('ep_converter' in places) is not measured
+    assert ('ep_converter_lag' in places) is not measured
 
 
 @pytest.mark.parametrize(('every', 'past'), [(1, 0.0), (1, 0.5), (100, 0.5), (500, 0.0)])

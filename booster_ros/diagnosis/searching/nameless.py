@@ -54,6 +54,9 @@ reckoning says, and does not begin where that points.
 TOO_LITTLE = 'fitted to all but the locked part, it explains too little'
 """Reason why a term without a name is not added that comes nearest to what is missing."""
 
+UNFELT = 1e-9
+"""Largest value of a term, in sizes that show, that is rounding where nothing asks for any."""
+
 _NEED_A_CLOCK = (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR)
 
 LIKELY_TERMS = 4
@@ -233,6 +236,16 @@ def _fitted(search: Search, label: str, joint: Problem, z: Array) -> Candidate:
     return best
 
 
+def _felt(joint: Problem, move: Array) -> bool:
+    """
+    Tell whether a term moves anything compared; `move` is what linear reckoning makes of it.
+
+    Not what lies upstream of a measured drive.
+    """
+    return any(abs(step) > UNFELT for free, step in zip(joint.freedoms, move)
+               if free.knob.parameter == 'discrepancy.values')
+
+
 def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str, Problem, Array]]:
     """
     Return the terms worth a whole fit, in the order of unknown.terms: label, problem, first z.
@@ -255,6 +268,8 @@ def _likely(search: Search, refit: Candidate, foreseen: bool) -> list[tuple[str,
     reached: dict[str, tuple[float, Array, Array, Problem]] = {}
     for one in likely:  # the same term may be there with several pasts
         reach = linear_reach(thin, reference, one, seen)
+        if not _felt(reach[3], reach[2]):
+            continue
         if one.label not in reached or reach[0] < reached[one.label][0]:
             reached[one.label] = reach
     least = min((cost for cost, *_ in reached.values()), default=0.0)
