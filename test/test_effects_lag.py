@@ -7,7 +7,7 @@ from positioner_runs import current_for, positioner, rows, settled_at
 import pytest
 
 from booster_ros.diagnosis.searching.course import followed
-from booster_ros.model.ep_converter import QUICKEST
+from booster_ros.model.ep_converter import QUICKEST, SLOWEST
 from booster_ros.model.simulation import simulate
 
 LAG = positioner().ep_converter.time_constant
@@ -48,10 +48,13 @@ def test_where_the_back_pressure_settles_stays():
         assert run['back_pressure'][row] == pytest.approx(declared['back_pressure'][row], rel=1e-3)
 
 
-def test_no_table_makes_a_converter_quicker_than_a_solver_can_follow():
-    _, run = stepped(-100.0, -100.0)
-    _, least = stepped(QUICKEST, QUICKEST)
-    assert run['back_pressure'] == pytest.approx(least['back_pressure'], rel=1e-9)
+@pytest.mark.parametrize('compiled', [False, True])
+@pytest.mark.parametrize(('value', 'end'), [
+    (-100.0, QUICKEST), (-1e308, QUICKEST), (1e3, SLOWEST), (1e308, SLOWEST)])
+def test_no_table_makes_a_converter_quicker_or_slower_than_can_be_reckoned(value, end, compiled):
+    _, run = stepped(value, value, compiled=compiled)
+    _, at_end = stepped(end, end, compiled=compiled)
+    assert run['back_pressure'] == pytest.approx(at_end['back_pressure'], rel=1e-9)
     assert np.isfinite(run['valve_position']).all()
 
 
@@ -60,6 +63,19 @@ def test_plain_and_compiled_give_the_same_bits():
     _, compiled = stepped(1.0, 0.3)
     for name, column in plain.columns.items():
         assert np.array_equal(column, compiled[name]), name
+
+
+def test_behind_dead_time_and_hysteresis_a_settled_back_pressure_has_no_way_to_go():
+    p = positioner({'ep_converter.hysteresis': 2e-5, 'ep_converter.dead_time': 0.1})
+    p = p._replace(discrepancy=stepped(0.0, 0.0)[0].discrepancy)
+    current = np.where((TIME > 0.5) & (TIME < 1.5), current_for(240e3), current_for(180e3))
+    run = simulate(p, TIME, current, settled_at(180e3))
+    ahead = followed(p, run['time'], run.columns)
+    settled = np.abs(np.diff(run['back_pressure'], append=np.nan)) < 1.0
+    assert np.count_nonzero(settled) > 150
+    assert np.abs(ahead[settled]).max() < 20.0
+    moving = np.flatnonzero(np.abs(ahead) > 5e3) * 0.01
+    assert moving.min() == pytest.approx(0.6, abs=0.021)
 
 
 def test_the_variable_of_the_term_is_how_far_the_back_pressure_still_has_to_go():

@@ -124,6 +124,10 @@ def test_an_unnamed_term_in_the_lag_says_how_slow_it_is_and_asks_for_steps():
     assert 'Added in the lag of the E/P converter (positive: slower' in page.text
     assert 'step the control current by little and by much' in page.text
     assert 'vary the way' not in page.text
+    assert 'term' in page.texts
+    quick = table._replace(values=(0.0, *(-1.5,) * 10, 0.0))
+    quicker = Page(html_page(unknown_over(quick), FROM))
+    assert 'At the most it is 4.48 times as quick' in quicker.text
     assert 'times as slow as its time constant' not in Page(html_page(unknown_found(), FROM)).text
 
 

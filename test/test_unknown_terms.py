@@ -21,8 +21,8 @@ from booster_ros.diagnosis.searching.teaching import taught
 from booster_ros.diagnosis.searching.course import followed
 from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
 from booster_ros.model.discrepancy import (
-    BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME,
-    VARIABLES, Discrepancy, covered, forgets, remembers)
+    BACK_PRESSURE_ERROR, BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, EP_CONVERTER_LAG,
+    FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME, VARIABLES, Discrepancy, covered, forgets, remembers)
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PAST_UNIT
@@ -146,6 +146,28 @@ def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, pa
     settled = later & (np.abs(time - 5.0) > 0.5)
     assert added[settled] == pytest.approx(lag * slope * change[settled], abs=2.0)
     assert np.abs(added[settled]).max() > 200.0
+
+
+@pytest.mark.parametrize('current', [
+    RAMPS, 4.15e-4 + 0.35e-4 * np.sin(2.0 * np.pi * RAMPS_TIME / 10.0)], ids=['ramps', 'sine'])
+def test_on_a_ramp_the_way_to_go_is_that_of_the_slower_converter(current):
+    """Of one that vents eleven times as slowly: it is further behind than the declared one."""
+    falling = (*np.linspace(-250e3, -1e-3, 6), *np.linspace(1e-3, 250e3, 6))
+    plant = P._replace(discrepancy=Discrepancy(
+        EP_CONVERTER_LAG, BACK_PRESSURE_ERROR, falling, (float(np.log(11.0)),) * 6 + (0.0,) * 6))
+    experiment = seen(plant, None, 1.9e5, current, 3, RAMPS_TIME)
+    rows = np.ones(len(RAMPS_TIME), dtype=bool)
+    problem = Problem(experiment, rows, P, tuple(declared_freedom(P, experiment)))
+    refit = problem.fit(evaluations=15)
+    one = next(t for t in terms(experiment.channels) if t.location == EP_CONVERTER_LAG)
+    joint = with_term(problem, refit, one, rows)
+    run = simulate(plant, RAMPS_TIME, current, {'chamber_pressure': 1.9e5})
+    behind = followed(plant, RAMPS_TIME, run.columns)
+    low, high = covered(joint.base.discrepancy)
+    assert low < behind.min() < behind.max() < high
+    found = joint.fit(joint.start(), evaluations=20)
+    assert refit.cost > 20.0 * joint.rows_counted()
+    assert found.cost < 1.1 * joint.rows_counted()
 
 
 def test_what_a_table_holds_makes_no_valve_implausible():

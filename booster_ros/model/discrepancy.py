@@ -54,8 +54,8 @@ class Discrepancy(NamedTuple):
     )] = tuple(map(float, range(KNOTS)))
     values: Annotated[tuple[float, ...], Quantity(
         'Pa (ep_converter, supply, pressure_sensor), N (booster, stem), kg/s (chamber), '
-        'm (position_sensor), m^3 (chamber_volume), - (ep_converter_lag: logarithm of how many '
-        'times as slow)',
+        'm (position_sensor), m^3 (chamber_volume), - (ep_converter_lag: natural logarithm of '
+        'how many times as slow)',
         f'the term at {KNOTS} values of the variable',
     )] = (0.0,) * KNOTS
     memory: Annotated[float, Quantity(

@@ -217,7 +217,7 @@ def unknown_term(view: View, term: UnknownTerm) -> Figure:
     for at, values in beyond if term.reach is None else ():  # nothing is beyond a play
         axes.plot(at, values, color=AFTER, linewidth=1.6, linestyle=':')
     axes.axhline(0.0, color=NOISE, linewidth=0.8)
-    axes.set_ylabel(f'added, {size.unit}')
+    axes.set_ylabel(f'added, {size.unit}' if size.unit else 'term')
     seen = view.states[term.variable] * over.factor
     below.hist(seen[np.isfinite(seen)], bins=60, range=(x[0], x[-1]), color='#b4c0ca')
     below.set_yticks([])

@@ -5,7 +5,7 @@
 import math
 
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
-from booster_ros.model.ep_converter import SLOWEST
+from booster_ros.model.ep_converter import QUICKEST, SLOWEST
 from booster_ros.report.engineering import common_scale, number, scale_of
 from booster_ros.report.errors import unseen
 from booster_ros.report.names import (
@@ -44,8 +44,10 @@ def _memory(unknown: UnknownTerm) -> str:
 def _how_slow(unknown: UnknownTerm) -> str:
     if unknown.variable != 'back_pressure_error':
         return ''
-    slowest = math.exp(min(max(map(float, unknown.values)), SLOWEST))
-    return f' At the most it is {number(slowest)} times as slow as its time constant says.'
+    largest = max((float(value) for value in unknown.values[1:-1]), key=abs)
+    factor = math.exp(min(abs(largest), SLOWEST if largest > 0.0 else -QUICKEST))
+    how = 'slow' if largest > 0.0 else 'quick'
+    return f' At the most it is {number(factor)} times as {how} as its time constant says.'
 
 
 def unknown_rivals(diagnosis: Diagnosis) -> list[str]:

@@ -11,8 +11,9 @@ from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.model import discrepancy as term
 from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.discrepancy import Discrepancy, past_at_rest, place_in_play
-from booster_ros.model.ep_converter import settled_back_pressure
+from booster_ros.model.ep_converter import play, settled_back_pressure
 from booster_ros.model.sensors import lagged
+from booster_ros.model.stream import delayed_current
 from booster_ros.model.system import PAST_UNIT, PositionerParameters
 from booster_ros.records.holding import bridged
 
@@ -20,6 +21,13 @@ Array = np.ndarray
 
 STRAY = 0.002
 """Share of the rows at either end of a variable that may be stray."""
+
+MUCH_SLOWER = 2.3
+"""Natural logarithm of how many times as slow a converter is taken to be, at the most, where it is
+asked how far its back pressure may have to go."""
+
+EVERYWHERE = 1e9
+"""Pressure, Pa, that lies beyond all errors."""
 
 
 def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array], past: float = 0.0
@@ -30,8 +38,8 @@ def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array],
     `columns` are channels of a run or a record. For a change, they must include the variable that
     changes; for a play of the booster's force, all pressures that make up that force; for the error
     of the back pressure, that pressure and all that it follows. `past` is that of the start's
-    `Departure`. The current, where it matters, is the current as given, which a dead time or a
-    hysteresis hides from the model for a while.
+    `Departure`. A change of the current is that of the current as given, which a dead time or a
+    hysteresis hides from the model for a while; the error is that of the current behind these.
     """
     table = p.discrepancy
     if table.variable == term.BACK_PRESSURE_ERROR:
@@ -53,10 +61,15 @@ def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array],
 
 def _errors(p: PositionerParameters, time: Array, columns: Mapping[str, Array]) -> Array:
     """Return how far the back pressure still has to go row by row, Pa, shape (n,)."""
-    rows = np.column_stack([time, *(
-        columns[name] for name in ('control_current', 'supply_pressure', 'back_pressure'))])
-    return np.array([settled_back_pressure(p.ep_converter, current, supply, now, 0.0) - back
-                     for now, current, supply, back in rows.tolist()])
+    ep, errors = p.ep_converter, np.empty(len(time))
+    rows = np.column_stack([
+        time, delayed_current(time, columns['control_current'], ep.dead_time),
+        columns['supply_pressure'], columns['back_pressure']])
+    seen = float(rows[0, 1])
+    for k, (now, current, supply, back) in enumerate(rows.tolist()):
+        seen = play(seen, current, ep.hysteresis)
+        errors[k] = settled_back_pressure(ep, seen, supply, now, 0.0) - back
+    return errors
 
 
 def _places_in_play(p: PositionerParameters, columns: Mapping[str, Array], past: float) -> Array:
@@ -83,27 +96,41 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
 
 def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
     """Return the lowest and the highest value of a term's variable, but for stray ones."""
+    if table.variable == term.BACK_PRESSURE_ERROR:
+        ways = np.concatenate([_simulated_errors(problem.experiment, reference, slower)[seen]
+                               for slower in (0.0, MUCH_SLOWER)])
+        return np.array([np.nanmin(ways), np.nanmax(ways)])
     values = _course(problem.experiment, reference, table, seen)[seen]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
         given = problem.parameters(problem.start())
         run = problem.experiment.simulate(given, reference.initial)
         read = followed(given._replace(discrepancy=table), run['time'], run.columns)
         values = np.r_[values, read[seen]]
-    stray = 0.0 if table.variable == term.BACK_PRESSURE_ERROR else STRAY
-    return np.quantile(values[np.isfinite(values)], [stray, 1.0 - stray])
+    return np.quantile(values[np.isfinite(values)], [STRAY, 1.0 - STRAY])
+
+
+def _simulated_errors(experiment: Experiment, reference: Fit, slower: float) -> Array:
+    """
+    Return how far the back pressure has to go, Pa, shape (n,), in a converter that is slower.
+
+    `slower` is a natural logarithm. The error is no reading. It is the height of a step whatever
+    the lag, but on a ramp it grows with the lag that is to be found.
+    """
+    lag = Discrepancy(
+        term.EP_CONVERTER_LAG, term.BACK_PRESSURE_ERROR,
+        tuple(np.linspace(-EVERYWHERE, EVERYWHERE, term.KNOTS).tolist()), (slower,) * term.KNOTS)
+    p = reference.parameters._replace(discrepancy=lag)
+    # the start of a fit without the term may have gone far to imitate it
+    run = experiment.simulate(p, experiment.initial)
+    return followed(p, experiment.time, run.columns)
 
 
 def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
     """
     Return the variable of a term as measured, or as simulated where no row `seen` has a reading.
 
-    For a change, the variable that changes runs straight across a gap. An error of the back
-    pressure is no reading, and none of it is stray: it lasts for some rows after each step.
+    For a change, the variable that changes runs straight across a gap.
     """
-    if table.variable == term.BACK_PRESSURE_ERROR:
-        run = experiment.simulate(reference.parameters, reference.initial)
-        return followed(reference.parameters._replace(discrepancy=table), experiment.time,
-                        run.columns)
     name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
     values = experiment.measured.get(name)
     if values is None or not np.isfinite(values[seen]).any():

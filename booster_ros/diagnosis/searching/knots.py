@@ -21,6 +21,9 @@ LEAST_SPACING = 1e-9
 """Share of a variable that hardly changes by which knots are apart: rounding shifts none over
 another."""
 
+LEAST_SIDE = 1e-3
+"""Share of the further end of a variable about zero up to which the nearer end is laid at least."""
+
 NO_TURN = 1e-6
 """Share of the steepest slope: slopes that differ by less are the same but for rounding."""
 
@@ -35,10 +38,11 @@ def about_zero(low: float, high: float) -> Array:
     """
     Return knots that are dense about zero, shape (KNOTS,), as many below it as above.
 
-    An error fades: most rows have little of it, and rising and falling differ from zero on.
+    An error fades: most rows have little of it, and rising and falling differ from zero on. Where
+    one side is hardly seen, its knots go as far as LEAST_SIDE of the other.
     """
     shares = (np.arange(1.0, KNOTS // 2 + 1) / (KNOTS // 2 - 1))**CROWDED
-    least = LEAST_SPACING * max(abs(low), abs(high), 1.0)
+    least = LEAST_SIDE * max(abs(low), abs(high), 1.0)
     return np.r_[-max(-low, least) * shares[::-1], max(high, least) * shares]
 
 
@@ -64,8 +68,8 @@ def where_it_bends(table: Discrepancy) -> Array:
     bends = turns / (0.5 * (widths[1:] + widths[:-1]))
     curvature = 0.5 * (np.r_[bends[:1], bends] + np.r_[bends, bends[-1:]])
     due = np.sqrt(curvature) * widths
-    evenly = widths / widths.sum()
-    due = (1.0 - EVENLY) * due / due.sum() + EVENLY * evenly if due.sum() > 0.0 else evenly
+    even = widths / widths.sum()
+    due = (1.0 - EVENLY) * due / due.sum() + EVENLY * even if due.sum() > 0.0 else even
     inner = np.interp(np.linspace(0.0, 1.0, KNOTS - 2), np.r_[0.0, np.cumsum(due)], knots)
     inner[[0, -1]] = knots[[0, -1]]
     return np.r_[table.knots[0], inner, table.knots[-1]]

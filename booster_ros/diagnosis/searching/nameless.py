@@ -216,8 +216,8 @@ def _fitted(search: Search, label: str, joint: Problem, z: Array) -> Candidate:
     """
     Return the model with a term, fitted to its end.
 
-    Its knots are at equal distances at first. Where that leaves more than noise, they go to where
-    the term bends, as long as it scores better by a share that matters.
+    Its knots are as `with_term` lays them at first. Where that leaves more than noise, they go to
+    where the term bends, as long as it scores better by a share that matters.
     """
     def rated(problem: Problem, begin: Array) -> Candidate:
         # terms in different places differ little in cost
@@ -240,7 +240,7 @@ def _felt(joint: Problem, move: Array) -> bool:
     """
     Tell whether a term moves anything compared; `move` is what linear reckoning makes of it.
 
-    Not what lies upstream of a measured drive.
+    What lies upstream of a measured drive moves nothing.
     """
     return any(abs(step) > UNFELT for free, step in zip(joint.freedoms, move)
                if free.knob.parameter == 'discrepancy.values')

@@ -152,11 +152,11 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     """
     Return the problem with the table's inner values free, over the range in the rows `seen`.
 
-    The range is that of the variable as measured, where it was: a model without the term may stay
-    within half of that. What a sensor lacks may hide part of the range, as where it has reached
-    its end: for its terms, the range that the parameters as given lead through counts as well.
-    `seen` has to include the rows between the fitted ones as well: the table is zero beyond its
-    range, and a run that leaves the range comes back with a chamber that knows nothing of the
+    The range is that of the variable as measured, where it can be: a model without the term may
+    stay within half of that. What a sensor lacks may hide part of the range, as where it has
+    reached its end: for its terms, the range that the parameters as given lead through counts as
+    well. `seen` has to include the rows between the fitted ones as well: the table is zero beyond
+    its range, and a run that leaves the range comes back with a chamber that knows nothing of the
     term. For a change, the range is that of a longer memory, as a fit may find one; for a play, it
     is that of the play itself.
     """
