@@ -120,14 +120,14 @@ def test_an_unnamed_term_in_the_lag_says_how_slow_it_is_and_asks_for_steps():
         discrepancy.EP_CONVERTER_LAG, discrepancy.BACK_PRESSURE_ERROR,
         tuple(np.linspace(-33e3, 33e3, 12)), (0.0,) * 6 + (2.0, 2.0, 3.0, 3.0, 3.0, 0.0))
     page = Page(html_page(unknown_over(table), FROM))
-    assert 'At the most it is 20.1 times as slow as its time constant says' in page.text
+    assert 'At the most the converter is 20.1 times as slow as its time constant says' in page.text
     assert 'Added in the lag of the E/P converter (positive: slower' in page.text
     assert 'step the control current by little and by much' in page.text
     assert 'vary the way' not in page.text
     assert 'term' in page.texts
     quick = table._replace(values=(0.0, *(-1.5,) * 10, 0.0))
     quicker = Page(html_page(unknown_over(quick), FROM))
-    assert 'At the most it is 4.48 times as quick' in quicker.text
+    assert 'At the most the converter is 4.48 times as quick' in quicker.text
     assert 'times as slow as its time constant' not in Page(html_page(unknown_found(), FROM)).text
 
 

@@ -46,8 +46,9 @@ def _how_slow(unknown: UnknownTerm) -> str:
         return ''
     largest = max((float(value) for value in unknown.values[1:-1]), key=abs)
     factor = math.exp(min(abs(largest), SLOWEST if largest > 0.0 else -QUICKEST))
-    how = 'slow' if largest > 0.0 else 'quick'
-    return f' At the most it is {number(factor)} times as {how} as its time constant says.'
+    compared = 'as slow' if largest > 0.0 else 'as quick'
+    return (f' At the most the converter is {number(factor)} times {compared} as its time constant '
+            'says.')
 
 
 def unknown_rivals(diagnosis: Diagnosis) -> list[str]:
