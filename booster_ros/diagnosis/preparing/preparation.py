@@ -75,7 +75,8 @@ def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:
     told = {name: noise_of(values, calm) for name, values in columns.items() if name != 'time'}
     # coloured noise is more than its differences show
     noise = {name: max(each.level, LEAST_NOISE.get(name, 0.0)) for name, each in told.items()}
-    clouded = [name for name in role.compared if told[name].clouded]
+    clouded = [name for name in role.compared
+               if told[name].clouded and told[name].level > LEAST_NOISE[name]]
     return Experiment(
         time=time,
         current=current,
