@@ -15,10 +15,10 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.searching import nameless
+from booster_ros.diagnosis.searching.course import followed
 from booster_ros.diagnosis.searching.nameless import TOO_LITTLE, best_terms, compete
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught
-from booster_ros.diagnosis.searching.course import followed
 from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
 from booster_ros.model.discrepancy import (
     BACK_PRESSURE_ERROR, BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, EP_CONVERTER_LAG,

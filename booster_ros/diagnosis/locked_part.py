@@ -24,10 +24,10 @@ from booster_ros.diagnosis.experiment.segments import USED, Segment, rows_of
 from booster_ros.diagnosis.last_fit import LastFit, verdict_of
 from booster_ros.diagnosis.result import ChannelError, Refused, UnknownTerm, errors_of
 from booster_ros.diagnosis.searching.candidate import Candidate
+from booster_ros.diagnosis.searching.course import beyond
 from booster_ros.diagnosis.searching.nameless import FAITHFUL, FORESEEN, leave_less
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.course import beyond
 from booster_ros.diagnosis.searching.unknown import place_of
 from booster_ros.model.actuator import has_dry_friction
 

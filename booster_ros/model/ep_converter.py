@@ -67,13 +67,20 @@ QUICKEST, SLOWEST = -2.3, 10.0
 """Ends of the natural logarithm of how many times as slow as its time constant a converter is."""
 
 
+def times_as_slow(discrepancy: float) -> float:
+    """
+    Return how many times as slow as its time constant a converter is.
+
+    `discrepancy` is the natural logarithm of what a record showed, within QUICKEST and SLOWEST.
+    """
+    return math.exp(min(max(discrepancy, QUICKEST), SLOWEST))
+
+
 def back_pressure_rate(
     ep: EpConverter, back_pressure: float, settled: float, discrepancy: float
 ) -> float:
-    """
-    Return d(back pressure)/dt, Pa/s.
-
-    `discrepancy` is the natural logarithm of how many times as slow a record showed it to be.
-    """
-    slower = math.exp(min(max(discrepancy, QUICKEST), SLOWEST)) if discrepancy != 0.0 else 1.0
-    return (settled - back_pressure) / (ep.time_constant * slower)
+    """Return d(back pressure)/dt, Pa/s; `discrepancy` as in `times_as_slow`."""
+    lag = ep.time_constant
+    if discrepancy != 0.0:
+        lag *= times_as_slow(discrepancy)
+    return (settled - back_pressure) / lag

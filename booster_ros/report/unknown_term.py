@@ -2,10 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A term without a name in sentences: what it is, what else it may be, what would show it."""
 
-import math
-
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
-from booster_ros.model.ep_converter import QUICKEST, SLOWEST
+from booster_ros.model.ep_converter import times_as_slow
 from booster_ros.report.engineering import common_scale, number, scale_of
 from booster_ros.report.errors import unseen
 from booster_ros.report.names import (
@@ -30,8 +28,8 @@ def sentence_on_unknown(unknown: UnknownTerm) -> str:
         f'It depends on the {channel_label(unknown.variable)}, was seen from '
         f'{variable.text(unknown.seen[0])} to {variable.text(unknown.seen[1])} '
         f'and reaches {size.text(largest)} (positive: {positive_is(unknown.location)})'
-        f'{_memory(unknown)}.{_how_slow(unknown)} It is in the model as a table that fades to zero '
-        f'outside that range{elsewhere}.'
+        f'{_memory(unknown)}.{_how_slow(unknown, largest)} It is in the model as a table that '
+        f'fades to zero outside that range{elsewhere}.'
     )
 
 
@@ -41,14 +39,13 @@ def _memory(unknown: UnknownTerm) -> str:
     return f'; what was is forgotten over {number(unknown.memory)} s'
 
 
-def _how_slow(unknown: UnknownTerm) -> str:
+def _how_slow(unknown: UnknownTerm, largest: float) -> str:
     if unknown.variable != 'back_pressure_error':
         return ''
-    largest = max((float(value) for value in unknown.values[1:-1]), key=abs)
-    factor = math.exp(min(abs(largest), SLOWEST if largest > 0.0 else -QUICKEST))
-    compared = 'as slow' if largest > 0.0 else 'as quick'
-    return (f' At the most the converter is {number(factor)} times {compared} as its time constant '
-            'says.')
+    slow = times_as_slow(largest)
+    factor, way = (slow, 'slow') if slow > 1.0 else (1.0 / slow, 'quick')
+    times = f'{number(factor)} times as {way}'
+    return f' At the most the converter is {times} as its time constant says.'
 
 
 def unknown_rivals(diagnosis: Diagnosis) -> list[str]:

@@ -11,7 +11,8 @@ from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.model import discrepancy as term
 from booster_ros.model.booster import diaphragm_force
 from booster_ros.model.discrepancy import Discrepancy, past_at_rest, place_in_play
-from booster_ros.model.ep_converter import play, settled_back_pressure
+from booster_ros.model.ep_converter import (
+    QUICKEST, play, settled_back_pressure, times_as_slow)
 from booster_ros.model.sensors import lagged
 from booster_ros.model.stream import delayed_current
 from booster_ros.model.system import PAST_UNIT, PositionerParameters
@@ -22,12 +23,9 @@ Array = np.ndarray
 STRAY = 0.002
 """Share of the rows at either end of a variable that may be stray."""
 
-MUCH_SLOWER = 2.3
-"""Natural logarithm of how many times as slow a converter is taken to be, at the most, where it is
-asked how far its back pressure may have to go."""
-
-EVERYWHERE = 1e9
-"""Pressure, Pa, that lies beyond all errors."""
+MUCH_SLOWER = 1.0 / times_as_slow(QUICKEST)
+"""How many times as slow a converter is taken to be, at the most, where it is asked how far its
+back pressure may have to go: about ten."""
 
 
 def followed(p: PositionerParameters, time: Array, columns: Mapping[str, Array], past: float = 0.0
@@ -97,8 +95,9 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
 def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
     """Return the lowest and the highest value of a term's variable, but for stray ones."""
     if table.variable == term.BACK_PRESSURE_ERROR:
-        ways = np.concatenate([_simulated_errors(problem.experiment, reference, slower)[seen]
-                               for slower in (0.0, MUCH_SLOWER)])
+        p = reference.parameters._replace(discrepancy=table)
+        ways = np.concatenate([_simulated_errors(problem.experiment, p, slower)[seen]
+                               for slower in (1.0, MUCH_SLOWER)])
         return np.array([np.nanmin(ways), np.nanmax(ways)])
     values = _course(problem.experiment, reference, table, seen)[seen]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
@@ -109,17 +108,15 @@ def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: A
     return np.quantile(values[np.isfinite(values)], [STRAY, 1.0 - STRAY])
 
 
-def _simulated_errors(experiment: Experiment, reference: Fit, slower: float) -> Array:
+def _simulated_errors(experiment: Experiment, p: PositionerParameters, slower: float) -> Array:
     """
-    Return how far the back pressure has to go, Pa, shape (n,), in a converter that is slower.
+    Return how far the back pressure has to go, Pa, shape (n,), if the lag is so many times as long.
 
-    `slower` is a natural logarithm. The error is no reading. It is the height of a step whatever
-    the lag, but on a ramp it grows with the lag that is to be found.
+    The error is no reading. It is the height of a step whatever the lag, but on a ramp it grows
+    with the lag that is to be found.
     """
-    lag = Discrepancy(
-        term.EP_CONVERTER_LAG, term.BACK_PRESSURE_ERROR,
-        tuple(np.linspace(-EVERYWHERE, EVERYWHERE, term.KNOTS).tolist()), (slower,) * term.KNOTS)
-    p = reference.parameters._replace(discrepancy=lag)
+    ep = p.ep_converter
+    p = p._replace(ep_converter=ep._replace(time_constant=slower * ep.time_constant))
     # the start of a fit without the term may have gone far to imitate it
     run = experiment.simulate(p, experiment.initial)
     return followed(p, experiment.time, run.columns)

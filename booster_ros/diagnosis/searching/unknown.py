@@ -165,10 +165,10 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     if one.variable != term.FORCE_PLAY:
         longer = empty._replace(memory=LONGER * one.memory)
         low, high = range_followed(problem, reference, longer, seen)
-    spread = about_zero if one.variable == term.BACK_PRESSURE_ERROR else evenly
+    spread, least, most = evenly, -1e3 * one.size, 1e3 * one.size
+    if one.location == term.EP_CONVERTER_LAG:
+        spread, least, most = about_zero, QUICKEST, SLOWEST
     table = empty._replace(knots=tuple(spread(low, high).tolist()))
-    least, most = (QUICKEST, SLOWEST) if one.location == term.EP_CONVERTER_LAG else (
-        -1e3 * one.size, 1e3 * one.size)
     knob = Knob('discrepancy.values', one.size, least, most)
     values_free = tuple(
         Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
