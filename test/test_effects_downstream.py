@@ -403,6 +403,28 @@ def test_position_dependent_friction_widens_the_loop_along_the_travel():
     assert loop == pytest.approx(2.0 * (base + gradient * LEVELS / TRAVEL) / AREA, rel=0.01)
 
 
+def test_a_galled_stem_widens_the_loop_where_it_has_galled():
+    base, most, place, width = 100.0, 300.0, 6e-3, 2e-3
+    values = {'actuator.coulomb_friction': base, 'actuator.friction_peak': most,
+              'actuator.friction_peak_position': place, 'actuator.friction_peak_width': width}
+    levels = place + width * np.array([-2.5, -1.0, -0.5, 0.0, 0.5, 1.0, 2.5, 4.0])
+    loop = pressure_loop(sweep(values), levels) - pressure_loop(sweep(None), levels)
+    shares = [0.002, 0.368, 0.779, 1.0, 0.779, 0.368, 0.002, 0.0]
+    assert 0.5 * AREA * loop - base == pytest.approx(most * np.array(shares), abs=3.0)
+
+
+def test_a_stem_that_rubs_only_where_it_has_galled_sticks_there_alone():
+    galled = positioner({
+        'actuator.friction_peak': 500.0, 'actuator.friction_peak_position': 5.5e-3,
+        'actuator.friction_peak_width': 1e-3})
+    for place, moves in ((5.5e-3, False), (9e-3, True)):
+        plant = Plant(galled)
+        balance = expected_pressure(place) + 0.6 * 500.0 / AREA
+        plant.reset(balance, place, float(current_for(balance)))
+        plant.advance(float(current_for(balance)), 5000)
+        assert (plant.outputs().valve_position != place) is moves
+
+
 def departure(values: dict[str, object], positions: np.ndarray) -> np.ndarray:
     """Return the force in N by which opening takes more than declared; there is no loop."""
     run = sweep(values)

@@ -93,6 +93,21 @@ def test_a_tube_whose_flow_is_laminar_is_a_tube(effects, tmp_path, monkeypatch):
     errors_fall_to_the_noise(report)
 
 
+@pytest.mark.parametrize(('effect', 'place', 'width'), [
+    ('galled_stem', 6e-3, 1.35e-3),
+    pytest.param('galled_stem_above', 11.5e-3, 2.2e-3, marks=minutes),
+])
+def test_a_galled_stem_is_told_with_its_place(effect, place, width, tmp_path, monkeypatch):
+    """The peak put in is a parabola squared, whose width is that of a bell as near as can be."""
+    report = diagnosis_of((effect,), 90.0, tmp_path, monkeypatch)
+    assert [one['name'] for one in report['effects']] == ['position_dependent_friction']
+    found = {name: value['value'] for name, value in report['effects'][0]['parameters'].items()}
+    assert found['actuator.friction_peak'] == pytest.approx(200.0, rel=0.15)
+    assert found['actuator.friction_peak_position'] == pytest.approx(place, abs=5e-4)
+    assert found['actuator.friction_peak_width'] == pytest.approx(width, rel=0.25)
+    errors_fall_to_the_noise(report, 1.5)
+
+
 def search_on(effects, seed, folder, kind='mixed', spread='samples'):
     """Return the search on a record of the hidden plant with these effects and sizes."""
     write_case(Case('hidden', effects, kind=kind, spread=spread, seed=seed), folder)

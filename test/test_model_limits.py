@@ -45,6 +45,8 @@ EFFECTS = {
     'actuator.stiction': (0.0, 800.0),
     'actuator.stribeck_velocity': (1e-4, 1e-2),
     'actuator.friction_gradient': (-200.0, 500.0),
+    'actuator.friction_peak': (0.0, 800.0),
+    'actuator.friction_peak_width': (5e-4, 1e-2),
     'actuator.spring_bend': (-300.0, 300.0),
     'actuator.seat_load': (0.0, 2000.0),
     'actuator.seat_stiffness': (1e8, 1e10),

@@ -43,6 +43,7 @@ EVERYTHING = {
     'actuator.coulomb_friction': 200.0,
     'actuator.stiction': 60.0,
     'actuator.friction_gradient': 50.0,
+    'actuator.friction_peak': 80.0,
     'actuator.spring_bend': 100.0,
     'actuator.seat_load': 300.0,
     'actuator.seat_stiffness': 5e7,

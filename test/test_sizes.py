@@ -206,7 +206,8 @@ def test_a_size_that_moves_nothing_is_not_told_from_none():
 
 
 def test_what_an_effect_shares_with_a_plainer_one_is_not_its_own():
-    assert own_sizes('position_dependent_friction') == {'actuator.friction_gradient'}
+    assert own_sizes('position_dependent_friction') == {
+        'actuator.friction_gradient', 'actuator.friction_peak'}
     assert own_sizes('stem_friction') == {'actuator.coulomb_friction', 'actuator.stiction'}
 
 

@@ -59,6 +59,14 @@ class Actuator(NamedTuple):
     friction_gradient: Annotated[float, Quantity(
         'N', 'position_dependent_friction: sliding friction added from closed to full travel',
         -1e6, 1e6)] = 0.0
+    friction_peak: Annotated[float, Quantity(
+        'N', 'position_dependent_friction: sliding friction added where the stem has galled',
+        0.0, 1e6)] = 0.0
+    friction_peak_position: Annotated[float, Quantity(
+        'm', 'position_dependent_friction: position at which that is most', 0.0, 2.0)] = 8e-3
+    friction_peak_width: Annotated[float, Quantity(
+        'm', 'position_dependent_friction: distance from there at which it has fallen to 37 %',
+        1e-6, 2.0)] = 2e-3
     bench_set_shift: Annotated[float, Quantity(
         'Pa', 'bench_set_shift: moves both ends of the bench set', -1e6, 1e6)] = 0.0
     spring_bend: Annotated[float, Quantity(
@@ -184,12 +192,22 @@ def stem_force(act: Actuator, pressure: float, position: float, velocity: float,
 
 def has_dry_friction(act: Actuator) -> bool:
     """Tell whether the stem can stick."""
-    return act.coulomb_friction > 0.0 or act.stiction > 0.0 or act.friction_gradient != 0.0
+    return (act.coulomb_friction > 0.0 or act.stiction > 0.0 or act.friction_gradient != 0.0
+            or act.friction_peak > 0.0)
+
+
+def friction_along_travel(act: Actuator, position: float) -> float:
+    """Return how much more dry friction there is here than at the closed, smooth stem, N."""
+    bent = act.friction_gradient * position / act.travel
+    if act.friction_peak == 0.0:
+        return bent
+    off = (position - act.friction_peak_position) / act.friction_peak_width
+    return bent + act.friction_peak * math.exp(-off * off)
 
 
 def sliding_friction(act: Actuator, position: float, velocity: float) -> float:
     """Return the magnitude of dry friction while sliding, N (Coulomb and Stribeck)."""
-    level = max(act.coulomb_friction + act.friction_gradient * position / act.travel, 0.0)
+    level = max(act.coulomb_friction + friction_along_travel(act, position), 0.0)
     if act.stiction == 0.0:
         return level
     v = velocity / act.stribeck_velocity
@@ -214,7 +232,8 @@ def presliding_force_rate(act: Actuator, force: float, position: float, velocity
     sliding friction. Where a bent stem rubs less and less, `LEAST_SHARE` of the largest friction
     stays: bristles that hold nothing have no law.
     """
-    least = LEAST_SHARE * (act.coulomb_friction + abs(act.friction_gradient) + act.stiction)
+    least = LEAST_SHARE * (act.coulomb_friction + abs(act.friction_gradient) + act.friction_peak
+                           + act.stiction)
     sliding = max(sliding_friction(act, position, velocity), least)
     return act.presliding_stiffness * (velocity - abs(velocity) * force / sliding)
 

@@ -205,11 +205,15 @@ _ROWS = (
         _PRESLIDING, _PRESLIDING_DAMPING,
         Knob('actuator.stribeck_velocity', 1e-3, 3e-4, 1e-2, 1e-3, shape=True, clocked=True)),
     _effect(
-        'position_dependent_friction', 'stem', 'friction differs along the travel (bent stem)',
+        'position_dependent_friction', 'stem',
+        'friction differs along the travel (bent or galled stem)',
         'reversals at several positions', 'valve signature over the full travel',
         'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f8',
         _SLIDING,
         Knob('actuator.friction_gradient', 300.0, -6e3, 6e3),
+        Knob('actuator.friction_peak', 300.0, 0.0, 6e3),
+        Knob('actuator.friction_peak_position', 8e-3, 0.0, 1.6e-2, 8e-3, shape=True),
+        Knob('actuator.friction_peak_width', 2e-3, 5e-4, 1e-2, 2e-3, shape=True),
         _PRESLIDING, _PRESLIDING_DAMPING),
     _effect(
         'spring_nonlinearity', 'stem', 'the spring is not a straight line',

@@ -302,6 +302,19 @@ LATER_VARIANTS: dict[str, Effect] = {
     'tubing_laminar': Effect(
         'tubing', ('tubing_restriction',), {'line.laminar_resistance': 1.0}, (3e12, 1e13, 4e13)
     ),
+    'galled_stem': Effect(
+        'stem',
+        ('position_dependent_friction',),
+        {'stem.coulomb': 0.25, 'stem.galling': 1.0},
+        (60.0, 200.0, 700.0),
+    ),
+    'galled_stem_above': Effect(
+        'stem',
+        ('position_dependent_friction',),
+        {'stem.coulomb': 0.5, 'stem.galling': 1.0},
+        (60.0, 200.0, 700.0),
+        fixed={'stem.galled_at': 0.0115, 'stem.galled_over': 0.008},
+    ),
 }
 
 NAMELESS: dict[str, Effect] = {**UNCATALOGUED, **FURTHER}

@@ -26,6 +26,9 @@ class Stem(NamedTuple):
     packing_damping: float = 0.3  # share of critical, of the stem held by such a packing
     one_sided: float = 0.0  # N, by which friction is more while it opens, less while it closes
     coulomb_rise: float = 0.0  # N, added at full travel, in proportion to travel
+    galling: float = 0.0  # N, added where the stem is scored, most in the middle of that
+    galled_at: float = 0.006  # m
+    galled_over: float = 0.005  # m, from end to end
     drag: float = 0.0  # m², sliding friction per chamber pressure
     hardening: float = 0.0  # relative excess of spring force at full travel, parabolic
     knee: float = 0.0  # relative change of spring rate beyond knee_position
@@ -76,6 +79,8 @@ def stop_force(stem, position, velocity):
 def sliding_friction(stem, position, chamber_pressure):
     """Return the sliding friction in N."""
     rise = stem.coulomb_rise * min(max(position / stem.travel, 0.0), 1.0)
+    scored = max(1.0 - (2.0 * (position - stem.galled_at) / stem.galled_over) ** 2, 0.0)
+    rise += stem.galling * scored * scored
     return stem.coulomb + rise + stem.drag * max(chamber_pressure, 0.0)
 
 

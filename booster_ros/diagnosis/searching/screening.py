@@ -116,9 +116,11 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[f
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
     steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
-    if len(sizes) == 2 and len(multiples) > 1:
-        moves += [dict(zip(sizes, pair)) for pair in itertools.product(multiples, repeat=2)]
     rubs = [j for j in sizes if free[j].knob.rubs]
+    pairs = [sizes] if len(sizes) == 2 else [(j, k) for j in rubs for k in sizes if k != j]
+    if len(multiples) > 1:
+        moves += [dict(zip(pair, lengths)) for pair in pairs
+                  for lengths in itertools.product(multiples, repeat=2)]
     # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
     # simulate
     moves = [move for move in moves
