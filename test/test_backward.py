@@ -2,10 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is left when an effect is taken from a choice again."""
 
-from made_search import LEAKING, P, RUBBING, searching, seen, standing_at
+from dataclasses import replace
+
+from made_search import (
+    LEAKING, P, RUBBING, STEPS, searching, seen, standing_at, steps_seen)
 import pytest
 
-from booster_ros.diagnosis.searching.backward import _backward
+from booster_ros.diagnosis.searching.backward import _backward, _two_in_its_place
+from booster_ros.model.parameters import from_values
 
 
 def test_what_is_left_without_an_effect_that_was_none_begins_where_it_was_with_it():
@@ -38,3 +42,29 @@ def test_a_bent_stem_is_left_alone_by_the_plain_friction_that_it_was_found_besid
     assert left.effects == both[1:]
     assert left.misfit < 1.3
     assert left.fit.parameters.actuator.friction_gradient == pytest.approx(600.0, rel=0.05)
+
+
+@pytest.mark.parametrize(('plant', 'effects'), [
+    ({'ep_converter.hysteresis': 3.5e-6, 'actuator.spring_bend': -75.0,
+      'actuator.spring_excess': 290.0}, ('ep_hysteresis', 'spring_nonlinearity')),
+    ({'booster.intake_preload': 0.02, 'booster.exhaust_preload': 0.02}, ('booster_dead_band',)),
+], ids=['imitated', 'itself'])
+def test_two_effects_that_a_third_imitated_take_its_place(plant, effects):
+    """On some records a dead band leaves little, and a bent spring a part of that."""
+    search = searching(steps_seen(from_values(plant), STEPS, 1.7e5, seed=5), ())
+
+    def as_if(effects, values, left, **start):
+        """Return a model that would leave so much on average."""
+        model = standing_at(search, effects, {**values, **start})
+        return replace(model, by_segment=left * model.samples * search.values_held_back()
+                       / search.values_held_back().sum())
+
+    dead = {'booster.intake_preload': 0.02, 'booster.exhaust_preload': 0.005}
+    chosen = as_if(('booster_dead_band',), dead, 1.26)
+    lagging = as_if(('ep_hysteresis',), {
+        'ep_converter.hysteresis': 3.2e-6, 'ep_converter.offset': 7e3}, 3.7)
+    bent = as_if(('booster_dead_band', 'spring_nonlinearity'), {
+        **dead, 'actuator.spring_bend': -75.0, 'actuator.spring_excess': 170.0}, 1.09)
+    everything = [chosen, lagging, bent]
+    assert _two_in_its_place(search, chosen, everything).effects == effects
+    assert everything[-1].effects == ('ep_hysteresis', 'spring_nonlinearity')

@@ -100,6 +100,27 @@ def test_a_third_effect_is_not_sought_where_that_is_in_vain(in_vain, monkeypatch
     assert len(list(rounds)) == in_vain
 
 
+def test_of_two_missing_effects_the_one_that_fits_where_it_was_fitted_leads(monkeypatch):
+    """With one of two effects, a model may go far astray in a segment it was not fitted to."""
+    search = searching(too_quiet(seen(P)), ())
+    refit = search.refit()
+    rows = refit.problem.rows_counted()
+    missing, astray, idle = (
+        replace(refit, effects=effects, by_segment=left * refit.by_segment,
+                fit=replace(refit.fit, cost=cost * rows))
+        for effects, left, cost in (
+            ((), 300.0, 500.0), (('supply_ripple',), 340.0, 4.0), (('seat_load',), 285.0, 480.0)))
+    parents = []
+
+    def one_round(_, parent, *args, **options):
+        parents.append(parent)
+        return [idle, astray] if parent is missing else []
+
+    monkeypatch.setattr(forward, '_round', one_round)
+    named(search, missing, lambda *_: None)
+    assert parents == [missing, astray]
+
+
 def searched(plant, names):
     """Return what a search among these effects makes of 80 s of steps."""
     return selected(searching(steps_seen(plant, STEPS, 1.7e5, seed=5), names))

@@ -3,13 +3,16 @@
 """Steps 6 and 7 of the selection: exchange and omit each effect, compare close models again."""
 
 from dataclasses import replace
+import itertools
 
 from booster_ros.diagnosis.fitting.intervals import within
-from booster_ros.diagnosis.searching.candidate import Candidate, clearly_better, preferred_first
+from booster_ros.diagnosis.searching.candidate import (
+    Candidate, best_of_each, clearly_better, clears, preferred_first)
 from booster_ros.diagnosis.searching.cascade import shows_above_the_stem
 from booster_ros.diagnosis.searching.next_effect import extend
-from booster_ros.diagnosis.searching.rematch import rematch
-from booster_ros.diagnosis.searching.search import FAR_BEHIND, Search
+from booster_ros.diagnosis.searching.rematch import RIVALS, rematch
+from booster_ros.diagnosis.searching.search import (
+    FAR_BEHIND, LAST_EVALUATIONS, Search, carried, declared_as_given)
 from booster_ros.diagnosis.searching.selection import Progress, Tried, tried_of
 from booster_ros.model.actuator import has_dry_friction
 
@@ -26,7 +29,8 @@ def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
     """Carry out steps 6 and 7: exchange each effect, leave each out, fit close models anew."""
     everything = list(tried.all)
     fewer: _Fewer = {}
-    chosen = _exchanged(search, tried.chosen, everything, tell, fewer)
+    chosen = _two_in_its_place(search, tried.chosen, everything)
+    chosen = _exchanged(search, chosen, everything, tell, fewer)
     chosen = _backward(search, chosen, everything, fewer)
     tell('comparing those nearest to each other', 0.78)
     again = rematch(search, chosen, everything)
@@ -50,6 +54,48 @@ def _without(search: Search, chosen: Candidate, name: str, everything: list[Cand
         fewer[chosen, rest] = min(same, key=lambda c: c.score) if same else search.without(
             chosen, rest)
     return fewer[chosen, rest]
+
+
+def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candidate]
+                      ) -> Candidate:
+    """
+    Return the model with two other effects in the place of a single one that imitated both.
+
+    Beside an effect that explains nearly all, another that takes away only a part of the rest is
+    not added: a law that is not quite the valve's leaves as much. But it may be one of two that
+    the single effect imitated. So it is tried beside each other single effect as well, all else as
+    given, as alone that effect had bent the declared parameters; and the two are taken if they
+    leave hardly anything.
+    """
+    single = [one for one in everything if not one.fault and len(one.effects) == 1
+              and one.effects != chosen.effects]
+    beside = [one for one in everything if not one.fault and len(one.effects) == 2
+              and set(one.effects) > set(chosen.effects) and clearly_better(one, chosen)]
+    if len(chosen.effects) != 1 or _stick(chosen, *beside):
+        return chosen
+    pairs = []
+    for first, second in itertools.product(_best(single), _best(beside)):
+        added = tuple(set(second.effects) - {*chosen.effects, *first.effects})
+        if added and not _stick(first):
+            problem = search.joint(first.problem, added)
+            fit = problem.fit(declared_as_given(
+                problem, carried(problem, second.fit, first.fit)), LAST_EVALUATIONS)
+            pair = search.rate((*first.effects, *added), problem, fit)
+            pairs.append(replace(pair, fault=next(iter(search.faults(pair).values()), '')))
+    everything += pairs
+    clear = [one for one in pairs if not one.fault and clearly_better(one, chosen)
+             and clears(one, chosen)]
+    return preferred_first([chosen, *clear])[0] if clear else chosen
+
+
+def _best(models: list[Candidate]) -> list[Candidate]:
+    """Return the best model of each set of effects, a few at the most."""
+    return list(best_of_each(models).values())[:RIVALS]
+
+
+def _stick(*models: Candidate) -> bool:
+    """Tell whether the stem of any of these models can stick."""
+    return any(has_dry_friction(one.fit.parameters.actuator) for one in models)
 
 
 def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress,

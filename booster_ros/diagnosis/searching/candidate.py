@@ -24,6 +24,9 @@ WORTH_EXPLAINING = 0.3
 NEARLY_ALL = 0.1
 """Share of what noise does not explain that an effect may leave if only one segment shows it."""
 
+CLEARED = 0.3
+"""Share of what is left above noise that one more effect may leave where little was left."""
+
 FAINTEST_COST, FAINTEST_SCORE, STANDARD_ERRORS = 16.0, 8.0, 2.0
 """
 Fall of the cost, fall of the score, and fall of the score in its standard errors, above which an
@@ -119,6 +122,11 @@ def clearly_better(better: Candidate, worse: Candidate) -> bool:
     enough = better.confirmed or fall > WORTH_EXPLAINING * excess
     return enough and fall > WORTH_ADDING * worse.score and (
         fall > error or _seen_twice(better, worse))
+
+
+def clears(better: Candidate, worse: Candidate) -> bool:
+    """Tell whether `better` leaves hardly anything of what `worse` leaves above noise."""
+    return better.misfit - 1.0 < CLEARED * (worse.misfit - 1.0)
 
 
 def shows_faintly(better: Candidate, worse: Candidate) -> bool:

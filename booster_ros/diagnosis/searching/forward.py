@@ -9,7 +9,7 @@ import numpy as np
 
 from booster_ros.diagnosis.searching.birthplace import called_for_above
 from booster_ros.diagnosis.searching.candidate import (
-    NEAR_NOISE, Candidate, clearly_better, preferred_first)
+    NEAR_NOISE, Candidate, clearly_better, clears, preferred_first)
 from booster_ros.diagnosis.searching.cascade import seen_from_above
 from booster_ros.diagnosis.searching.faint import PERHAPS, shown_on_every_row
 from booster_ros.diagnosis.searching.next_effect import FINALISTS, PROMISING, extend
@@ -46,9 +46,6 @@ MOST_ENDS = 3
 Number of effects that show beside a model and are then fitted to their end: they have to show
 beside that model fitted to its end, too.
 """
-
-CLEARED = 0.3
-"""Share of what is left above noise that one more effect may leave where little was left."""
 
 
 def named(search: Search, refit: Candidate, tell: Progress,
@@ -111,11 +108,13 @@ def _leading(search: Search, chosen: Candidate, ranked: list[Candidate],
     Return the model to go on from where no effect is called for.
 
     It has the effect that the part above the stem calls for, else it is the best of the round: of
-    two missing effects, either alone may look like none, or be at a bound.
+    two missing effects, either alone may look like none, or be at a bound. What it leaves where it
+    was fitted counts as much as what it leaves elsewhere: with one of two effects, a model that
+    does well in most segments may go far astray in another.
     """
     above = None if chosen.effects else called_for_above(search, chosen)
     if above is None:
-        return min(ranked, key=lambda c: c.score)
+        return min(ranked, key=lambda c: c.misfit + c.fit.cost / c.problem.rows_counted())
     everything.append(above)
     return above
 
@@ -239,7 +238,7 @@ def _adding(ranked: list[Candidate], chosen: Candidate, refit: Candidate) -> lis
 def _adds(better: Candidate, chosen: Candidate, refit: Candidate) -> bool:
     """Tell whether one more effect is called for: one that clears it, where little is left."""
     return not better.fault and clearly_better(better, chosen) and (
-        not _idealised(chosen, refit) or better.misfit - 1.0 < CLEARED * (chosen.misfit - 1.0))
+        not _idealised(chosen, refit) or clears(better, chosen))
 
 
 def _round(search: Search, parent: Candidate, level: int, tell: Progress, worth: float = np.inf
