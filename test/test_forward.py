@@ -109,7 +109,7 @@ def test_of_two_missing_effects_the_one_that_fits_where_it_was_fitted_leads(monk
         replace(refit, effects=effects, by_segment=left * refit.by_segment,
                 fit=replace(refit.fit, cost=cost * rows))
         for effects, left, cost in (
-            ((), 300.0, 500.0), (('supply_ripple',), 340.0, 4.0), (('seat_load',), 285.0, 480.0)))
+            ((), 300.0, 500.0), (('supply_ripple',), 3000.0, 4.0), (('seat_load',), 285.0, 480.0)))
     parents = []
 
     def one_round(_, parent, *args, **options):

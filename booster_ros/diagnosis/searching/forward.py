@@ -109,12 +109,12 @@ def _leading(search: Search, chosen: Candidate, ranked: list[Candidate],
 
     It has the effect that the part above the stem calls for, else it is the best of the round: of
     two missing effects, either alone may look like none, or be at a bound. What it leaves where it
-    was fitted counts as much as what it leaves elsewhere: with one of two effects, a model that
-    does well in most segments may go far astray in another.
+    was fitted counts as much as what it leaves elsewhere, as ratios: with one of two effects, a
+    model that does well in most segments may go far astray in another.
     """
     above = None if chosen.effects else called_for_above(search, chosen)
     if above is None:
-        return min(ranked, key=lambda c: c.misfit + c.fit.cost / c.problem.rows_counted())
+        return min(ranked, key=lambda c: c.misfit * c.fit.cost)
     everything.append(above)
     return above
 
