@@ -80,12 +80,11 @@ def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candid
             problem = search.joint(first.problem, added)
             fit = problem.fit(declared_as_given(
                 problem, carried(problem, second.fit, first.fit)), LAST_EVALUATIONS)
-            pair = search.rate((*first.effects, *added), problem, fit)
-            pairs.append(replace(pair, fault=next(iter(search.faults(pair).values()), '')))
+            pairs.append(search.judged(search.rate((*first.effects, *added), problem, fit)))
     everything += pairs
     clear = [one for one in pairs if not one.fault and clearly_better(one, chosen)
              and clears(one, chosen)]
-    return preferred_first([chosen, *clear])[0] if clear else chosen
+    return preferred_first([chosen, *clear])[0]
 
 
 def _best(models: list[Candidate]) -> list[Candidate]:

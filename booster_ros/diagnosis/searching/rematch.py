@@ -70,7 +70,7 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
     best = min(again, key=lambda one: one.fit.cost)
     again = [_from_the_end_of(best, search, one) for one in again]
     least = min(one.fit.cost for one in again)
-    again = [replace(one, fault=next(iter(search.faults(one).values()), '')) for one in again]
+    again = [search.judged(one) for one in again]
     return sorted(again, key=lambda one: (bool(one.fault), plainness(one, one.fit.cost - least)))
 
 

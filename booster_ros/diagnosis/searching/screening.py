@@ -122,7 +122,7 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[f
         moves += [dict(zip(pair, lengths)) for pair in pairs
                   for lengths in itertools.product(multiples, repeat=2)]
     # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
-    # simulate
+    # simulate; a galled stem may rub in one place alone, which a fit finds from there
     moves = [move for move in moves
              if all(abs(step) <= move.get(j, 0.0) for j in rubs for step in move.values())]
     trials = []

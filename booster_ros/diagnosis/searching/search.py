@@ -185,6 +185,10 @@ class Search:
         """Return the effects that a model's rows do not show, by name, each with the reason."""
         return self._faults(candidate.problem, candidate.fit, candidate.effects)
 
+    def judged(self, candidate: Candidate) -> Candidate:
+        """Return the model with the reason why its rows do not show one of its effects, if any."""
+        return replace(candidate, fault=next(iter(self.faults(candidate).values()), ''))
+
     def _faults(self, problem: Problem, fit: Fit, effects: tuple[str, ...]) -> dict[str, str]:
         if not effects:
             return {}
