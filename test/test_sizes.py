@@ -218,11 +218,12 @@ def candidate(effect, score, sizes=1):
     return Candidate((effect,), problem, fit, np.array([score]), 0.0, 1000)
 
 
-@pytest.mark.parametrize(('costs', 'winner'), [
-    ((1000.0, 995.0), 'chamber_leak'),  # hardly apart: the commoner cause
-    ((1000.0, 950.0), 'exhaust_seat_leak'),
-    ((950.0, 1000.0), 'chamber_leak')])
-def test_close_rivals_meet_again_on_every_row(costs, winner):
+@pytest.mark.parametrize(('costs', 'at_its_bound', 'winner'), [
+    ((1000.0, 995.0), '', 'chamber_leak'),  # hardly apart: the commoner cause
+    ((1000.0, 950.0), '', 'exhaust_seat_leak'),
+    ((1000.0, 950.0), 'exhaust_seat_leak', 'chamber_leak'),  # every row shows the fault
+    ((950.0, 1000.0), '', 'chamber_leak')])
+def test_close_rivals_meet_again_on_every_row(costs, at_its_bound, winner):
     chosen, rival = candidate('chamber_leak', 1010.0), candidate('exhaust_seat_leak', 1020.0)
     far, broken = candidate('dead_time', 5000.0), replace(
         candidate('supply_seat_leak', 1.0), fault='at its bound')
@@ -235,7 +236,7 @@ def test_close_rivals_meet_again_on_every_row(costs, winner):
 
     search = SimpleNamespace(
         to_the_end=to_the_end, names=(), thinning=1, on=lambda problem, *_: problem,
-        faults=lambda one: {})
+        judged=lambda one: replace(one, fault='at its bound' * (at_its_bound in one.effects)))
     ranked = rematch(search, chosen, [chosen, rival, far, broken])
     assert asked == ['chamber_leak', 'exhaust_seat_leak']
     assert ranked[0].effects == (winner,)
