@@ -10,6 +10,7 @@ import pytest
 
 from booster_ros.diagnosis import diagnose, last_fit, locked_part
 from booster_ros.diagnosis.experiment.segments import USED, rows_of, split
+from booster_ros.diagnosis.fitting.fit import Fit
 from booster_ros.diagnosis.fitting.freedom import put
 from booster_ros.diagnosis.locked_part import EXPLAINS_LITTLE, leave_much, stands
 from booster_ros.diagnosis.result import ChannelError, errors_of
@@ -169,7 +170,7 @@ def test_names_that_explain_little_give_way_to_a_term(monkeypatch, case):
     if case == 'little held back':
         bent = replace(bent, by_segment=bent.by_segment / bent.misfit)
     if case == 'sticking':
-        monkeypatch.setattr(locked_part, 'has_dry_friction', lambda actuator: True)
+        monkeypatch.setattr(Fit, 'sticks', True)
     monkeypatch.setattr(last_fit, 'preferable', lambda unnamed, tried: not tried.chosen.effects)
     found = concluded(search, bent)
     assert found.verdict == ('unknown' if case == 'little' else 'effect')

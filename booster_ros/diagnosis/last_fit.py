@@ -29,7 +29,6 @@ from booster_ros.diagnosis.searching.search import (
     EVALUATIONS, LAST_EVALUATIONS, Search, as_given, declared_as_given, settled)
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.unknown import UNNAMED
-from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
 
@@ -74,8 +73,7 @@ def verdict_of(search: Search, tried: Tried, unnamed: list[Candidate], before: L
 
 def draws_of(search: Search, last: LastFit) -> Array:
     """Return draws of z, shape (draws, variables), spread as far as the record leaves z open."""
-    bootstrap = block_bootstrap_of_means if has_dry_friction(
-        last.fit.parameters.actuator) else block_bootstrap
+    bootstrap = block_bootstrap_of_means if last.fit.sticks else block_bootstrap
     draws = bootstrap(
         last.problem, last.fit, segment_of_row(search.segments, len(search.experiment.time)))
     return last.trials.instead_of(draws) if last.trials else draws
@@ -88,7 +86,7 @@ def last_fit(search: Search, candidate: Candidate) -> LastFit:
     A model whose stem sticks is fitted through slips, any other one to its very end.
     """
     problem = search.on(candidate.problem, USED, 1)
-    if has_dry_friction(candidate.fit.parameters.actuator):
+    if candidate.fit.sticks:
         return _through_slips(search, problem, candidate)
     fit = _without_slips(problem, candidate)
     if not _unnamed(candidate):  # a term is fitted again with gentle ends, and has no intervals

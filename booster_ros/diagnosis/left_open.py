@@ -194,7 +194,7 @@ def _suiting(problem: Problem, last: LastFit, draws: Array) -> list[Array]:
 
 
 def _cost(problem: Problem, fit: Fit) -> Callable[[Array], float]:
-    return problem.cost_through_slips if has_dry_friction(fit.parameters.actuator) else problem.cost
+    return problem.cost_through_slips if fit.sticks else problem.cost
 
 
 def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, tuple[Model, ...]]]:

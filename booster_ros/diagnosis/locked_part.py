@@ -29,7 +29,6 @@ from booster_ros.diagnosis.searching.nameless import FAITHFUL, FORESEEN, leave_l
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.unknown import place_of
-from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
 
@@ -120,7 +119,7 @@ def _squares(errors: Mapping[str, ChannelError]) -> tuple[float, float, float]:
 
 def _explain_little(found: Opened) -> bool:
     """Tell whether named effects leave much both where they were chosen and in the locked part."""
-    if found.verdict != 'effect' or has_dry_friction(found.last.fit.parameters.actuator):
+    if found.verdict != 'effect' or found.last.fit.sticks:
         return False
     return (found.tried.held_out.misfit > FAITHFUL and not leave_less(found.tried, FORESEEN)
             and leave_much(found.errors))

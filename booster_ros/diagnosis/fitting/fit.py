@@ -83,6 +83,11 @@ class Fit:
         """Which variables move the scaled residuals by more than noise, compared with z = 0."""
         return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
 
+    @property
+    def sticks(self) -> bool:
+        """Whether the stem can stick: costs are rough then, and when a slip comes is chance."""
+        return has_dry_friction(self.parameters.actuator)
+
 
 @dataclass(frozen=True)
 class Problem:

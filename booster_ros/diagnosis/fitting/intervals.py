@@ -10,7 +10,6 @@ from scipy.optimize import lsq_linear
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.freedom import Free
 from booster_ros.diagnosis.fitting.valley import slopes_along_axes
-from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.parameters import DESCRIPTIONS
 
@@ -293,8 +292,7 @@ def traded(problem: Problem, fit: Fit, effect: str) -> list[str]:
     Where the stem sticks, traces are those in means over many slips: in single rows a slip that
     comes a little later is far more than what tells a size from a shape.
     """
-    traces = problem.means_of(fit.jacobian) if has_dry_friction(
-        fit.parameters.actuator) else fit.jacobian
+    traces = problem.means_of(fit.jacobian) if fit.sticks else fit.jacobian
     sizes, shapes = (
         [j for j, free in enumerate(problem.freedoms) if free.knob.parameter in wanted]
         for wanted in (sizes_of(effect), shapes_of(effect)))

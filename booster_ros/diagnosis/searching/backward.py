@@ -14,7 +14,6 @@ from booster_ros.diagnosis.searching.rematch import RIVALS, rematch
 from booster_ros.diagnosis.searching.search import (
     FAR_BEHIND, LAST_EVALUATIONS, Search, carried, declared_as_given)
 from booster_ros.diagnosis.searching.selection import Progress, Tried, tried_of
-from booster_ros.model.actuator import has_dry_friction
 
 _Fewer = dict[tuple[Candidate, tuple[str, ...]], Candidate]
 
@@ -49,8 +48,7 @@ def _without(search: Search, chosen: Candidate, name: str, everything: list[Cand
     """
     rest = tuple(e for e in chosen.effects if e != name)
     if (chosen, rest) not in fewer:
-        same = [one for one in everything if set(one.effects) == set(rest)
-                and has_dry_friction(one.fit.parameters.actuator)]
+        same = [one for one in everything if set(one.effects) == set(rest) and one.fit.sticks]
         fewer[chosen, rest] = min(same, key=lambda c: c.score) if same else search.without(
             chosen, rest)
     return fewer[chosen, rest]
@@ -94,7 +92,7 @@ def _best(models: list[Candidate]) -> list[Candidate]:
 
 def _stick(*models: Candidate) -> bool:
     """Tell whether the stem of any of these models can stick."""
-    return any(has_dry_friction(one.fit.parameters.actuator) for one in models)
+    return any(one.fit.sticks for one in models)
 
 
 def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress,
@@ -124,9 +122,9 @@ def _not_instead(chosen: Candidate, parent: Candidate, name: str, names: tuple[s
                  ) -> tuple[str, ...]:
     """Return the effects not to be tried in the place of `name`, which `parent` is without."""
     # effects of a stem that sticks take minutes to fit
-    if has_dry_friction(parent.fit.parameters.actuator):
+    if parent.fit.sticks:
         return (name, *(other for other in names if not shows_above_the_stem(other)))
-    return () if has_dry_friction(chosen.fit.parameters.actuator) else (name,)
+    return () if chosen.fit.sticks else (name,)
 
 
 def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fewer: _Fewer
@@ -137,9 +135,8 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
     for name in chosen.effects:
         smaller = _without(search, chosen, name, everything, fewer)
         fault = search.fault(chosen.problem, chosen.fit, name)
-        sticks = has_dry_friction(smaller.fit.parameters.actuator)
         contained = any(name in within(other) for other in smaller.effects)
-        if (fault or contained) and sticks and smaller.score > STUCK * chosen.score:
+        if (fault or contained) and smaller.fit.sticks and smaller.score > STUCK * chosen.score:
             smaller = search.without(chosen, smaller.effects)
         everything.append(smaller)
         if fault or not clearly_better(chosen, smaller):

@@ -19,7 +19,6 @@ from booster_ros.diagnosis.fitting.freedom import OF_THE_CHAMBER, Free
 from booster_ros.diagnosis.fitting.friction_start import best_friction
 from booster_ros.diagnosis.searching.candidate import Candidate
 from booster_ros.diagnosis.searching.search import EVALUATIONS, Search, as_given, carried
-from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.records.holding import bridged
 
@@ -84,7 +83,7 @@ def search_above(search: Search) -> Search | None:
 
 def search_above_friction(search: Search, fit: Fit) -> Search | None:
     """Return the search above the stem where friction rules the stem, else None."""
-    return search_above(search) if has_dry_friction(fit.parameters.actuator) else None
+    return search_above(search) if fit.sticks else None
 
 
 def fitted_above(search: Search, candidate: Candidate, roles: tuple[str, ...]) -> Candidate | None:

@@ -17,7 +17,6 @@ from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Progress, Tried, tried_of
 from booster_ros.diagnosis.searching.teaching import (
     PLAUSIBLE, fitted_to_noise, taught, taught_what_it_missed)
-from booster_ros.model.actuator import has_dry_friction
 
 MOST_EFFECTS = 3
 MOST_BESIDE_STICKING = 2
@@ -130,7 +129,7 @@ def _sharpened(search: Search, chosen: Candidate, refit: Candidate, everything: 
     """
     if not chosen.effects:
         return chosen
-    if has_dry_friction(chosen.fit.parameters.actuator):
+    if chosen.fit.sticks:
         sharp = seen_from_above(search, chosen)
     else:
         sharp = search.on_every_row(chosen)
@@ -155,7 +154,7 @@ def _faint(search: Search, found: Candidate, noise: Candidate, level: int,
     takes minutes.
     """
     worth = found.fit.cost - (SURE if found.effects else PERHAPS)
-    in_vain = found.effects and has_dry_friction(found.fit.parameters.actuator)
+    in_vain = found.effects and found.fit.sticks
     ranked = [] if in_vain else _round(search, found, level, tell, worth=worth)
     everything += ranked
     shown = _surely_better(ranked, found)
@@ -181,14 +180,12 @@ def _surely_better(ranked: list[Candidate], found: Candidate) -> list[Candidate]
 
 def _most(chosen: Candidate) -> int:
     """Return how many effects are looked for in all."""
-    dry = has_dry_friction(chosen.fit.parameters.actuator)
-    return MOST_BESIDE_STICKING if dry else MOST_EFFECTS
+    return MOST_BESIDE_STICKING if chosen.fit.sticks else MOST_EFFECTS
 
 
 def _patience(chosen: Candidate) -> int:
     """Return how many rounds may find nothing clear: of two effects, neither may show alone."""
-    slow = has_dry_friction(chosen.fit.parameters.actuator)
-    return 1 if chosen.misfit > WELL_EXPLAINED and not slow else 0
+    return 1 if chosen.misfit > WELL_EXPLAINED and not chosen.fit.sticks else 0
 
 
 def _explained(chosen: Candidate, refit: Candidate) -> bool:
@@ -199,7 +196,7 @@ def _explained(chosen: Candidate, refit: Candidate) -> bool:
     an effect may show in few segments only. Where the stem sticks, what idealising its friction
     may leave is taken for noise: no model repeats every slip, and another round takes minutes.
     """
-    if has_dry_friction(chosen.fit.parameters.actuator) and _idealised(chosen, refit):
+    if chosen.fit.sticks and _idealised(chosen, refit):
         return True
     return chosen.misfit < NEAR_NOISE and chosen.prior < PLAUSIBLE and (
         bool(chosen.effects) or fitted_to_noise(chosen))

@@ -20,7 +20,6 @@ from booster_ros.diagnosis.searching.teaching import fitted_to_noise, taught_wha
 from booster_ros.diagnosis.searching.unknown import (
     UNNAMED, linear_reach, moved, terms, with_free_past)
 from booster_ros.model import discrepancy as term
-from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
 
@@ -137,7 +136,7 @@ def compete(tried: Tried) -> bool:
     nothing was chosen.
     """
     chosen = tried.chosen
-    sticks, several = has_dry_friction(chosen.fit.parameters.actuator), len(chosen.effects) > 1
+    sticks, several = chosen.fit.sticks, len(chosen.effects) > 1
     enough = NEAR_NOISE if several or (chosen.effects and not sticks) else WELL_EXPLAINED
     nearly_all = chosen.effects and leave_less(tried, MOSTLY) and (sticks or not several)
     return chosen.misfit >= enough and not nearly_all

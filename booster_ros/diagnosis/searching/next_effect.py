@@ -148,7 +148,7 @@ def _polished(one: _Begun) -> _Begun:
 
 def _better(one: _Begun, other: _Begun) -> bool:
     """Tell whether the first of two fits of an effect is better; single slips do not decide."""
-    if has_dry_friction(one.fit.parameters.actuator):
+    if one.fit.sticks:
         problem = one.problem
         return problem.cost_through_slips(one.fit.z) < problem.cost_through_slips(other.fit.z)
     return one.fit.cost < other.fit.cost

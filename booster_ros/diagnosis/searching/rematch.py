@@ -37,7 +37,6 @@ from booster_ros.diagnosis.searching.cascade import (
 from booster_ros.diagnosis.searching.indistinct import substitutes
 from booster_ros.diagnosis.searching.next_effect import STILL_FAR, redundant
 from booster_ros.diagnosis.searching.search import EVALUATIONS, LAST_EVALUATIONS, Search, carried
-from booster_ros.model.actuator import has_dry_friction
 
 NEAR = 1.15
 """Score, relative to that of the choice, up to which a model is fitted again."""
@@ -56,7 +55,7 @@ def rematch(search: Search, chosen: Candidate, tried: list[Candidate]) -> list[C
     """Return the choice and its rivals, fitted anew, plainest first; the choice alone if none."""
     if not chosen.effects:
         return [chosen]
-    if has_dry_friction(chosen.fit.parameters.actuator):
+    if chosen.fit.sticks:
         return _rematch_sticking(search, chosen, tried)
     rivals = best_of_each(
         one for one in tried
@@ -124,8 +123,7 @@ def _by_slips(search: Search, ranked: list[Candidate]) -> list[Candidate]:
     NEAR times what the best one misses count as alike, and the plainest of them comes first.
     """
     best, *others = ranked
-    kinds = [best, *(one for one in others if not one.fault
-                     and has_dry_friction(one.fit.parameters.actuator)
+    kinds = [best, *(one for one in others if not one.fault and one.fit.sticks
                      and not any(map(shows_above_the_stem, set(one.effects) ^ set(best.effects))))]
     if len(kinds) == 1 or best.misfit < STILL_FAR:
         return ranked

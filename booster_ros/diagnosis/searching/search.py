@@ -252,7 +252,7 @@ def settled(problem: Problem, z: Array) -> Fit:
 
 def polished(problem: Problem, fit: Fit, worth: float = WORTH_POLISHING) -> Fit:
     """Return the fit carried on until that no longer pays; where the stem sticks, once."""
-    rounds = 1 if has_dry_friction(fit.parameters.actuator) else POLISHINGS
+    rounds = 1 if fit.sticks else POLISHINGS
     for _ in range(rounds):
         better = problem.fit(fit.z, evaluations=EVALUATIONS)
         fell = fit.cost - better.cost

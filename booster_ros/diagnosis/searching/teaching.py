@@ -15,7 +15,6 @@ from scipy.stats import chi2
 
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE, Candidate
 from booster_ros.diagnosis.searching.search import Search
-from booster_ros.model.actuator import has_dry_friction
 
 Array = np.ndarray
 
@@ -43,7 +42,7 @@ def taught(search: Search, candidate: Candidate) -> Candidate | None:
     no noise. Where the stem sticks, the model is taught only if it leaves noise in the fit
     segments already, as that fit takes long.
     """
-    if has_dry_friction(candidate.fit.parameters.actuator) and not fitted_to_noise(candidate):
+    if candidate.fit.sticks and not fitted_to_noise(candidate):
         return None
     both = search.on_both(candidate, search.thinning)
     noise = fitted_to_noise(both) and (
