@@ -8,7 +8,8 @@ from made_search import (
     LEAKING, P, RUBBING, STEPS, searching, seen, standing_at, steps_seen)
 import pytest
 
-from booster_ros.diagnosis.searching.backward import _backward, _two_in_its_place
+from booster_ros.diagnosis.fitting.intervals import left_of
+from booster_ros.diagnosis.searching.backward import _backward, _pruned, _two_in_its_place
 from booster_ros.model.parameters import from_values
 
 
@@ -42,6 +43,31 @@ def test_a_bent_stem_is_left_alone_by_the_plain_friction_that_it_was_found_besid
     assert left.effects == both[1:]
     assert left.misfit < 1.3
     assert left.fit.parameters.actuator.friction_gradient == pytest.approx(600.0, rel=0.05)
+
+
+@pytest.mark.parametrize(('effects', 'name', 'left'), [
+    (('chamber_leak', 'dead_time'), 'dead_time', ('chamber_leak',)),
+    (('position_dependent_friction',), 'position_dependent_friction', ('stem_friction',)),
+    (('position_dependent_friction', 'stem_friction'), 'position_dependent_friction',
+     ('stem_friction',)),
+    (('position_dependent_friction', 'chamber_leak'), 'chamber_leak',
+     ('position_dependent_friction',))])
+def test_what_is_left_of_friction_along_the_travel_is_friction(effects, name, left):
+    assert left_of(effects, name) == left
+
+
+@pytest.mark.parametrize('without', [_backward, _pruned])
+def test_friction_stays_where_it_is_not_shown_to_differ_along_the_travel(without):
+    search = searching(seen(LEAKING), ())
+    chosen = standing_at(search, ('chamber_leak', 'position_dependent_friction'), {
+        **RUBBING, 'actuator.leak_area': 4e-8, 'actuator.friction_gradient': 1.0,
+        'actuator.presliding_stiffness': 1e7})
+    assert search.fault(chosen.problem, chosen.fit, 'position_dependent_friction')
+    everything = [chosen]
+    left = without(search, chosen, everything, *([{}] if without is _backward else []))
+    assert set(left.effects) == {'chamber_leak', 'stem_friction'}
+    assert left in everything
+    assert left.misfit < 1.3
 
 
 @pytest.mark.parametrize(('plant', 'effects'), [

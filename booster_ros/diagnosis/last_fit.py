@@ -18,7 +18,7 @@ from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.friction_start import each_damping
 from booster_ros.diagnosis.fitting.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.fitting.intervals import (
-    block_bootstrap, block_bootstrap_of_means, undetermined, within)
+    block_bootstrap, block_bootstrap_of_means, left_of, undetermined)
 from booster_ros.diagnosis.fitting.valley import at_the_bottom
 from booster_ros.diagnosis.searching.candidate import (
     NEAR_NOISE, Candidate, best_of_each, clearly_better, explains)
@@ -153,11 +153,10 @@ def _without(tried: Tried, name: str, fault: str) -> Tried:
     """
     Return the models tried with the best of those chosen that do without this effect.
 
-    It has the other effects at most, and those that the one left out builds on: friction that does
-    not differ along the travel is friction all the same. A model with more effects is chosen only
-    where the segments held back call for it, as in the search.
+    It has what is `left_of` the effects at most. A model with more effects is chosen only where the
+    segments held back call for it, as in the search.
     """
-    rest = (set(tried.chosen.effects) | within(name)) - {name}
+    rest = set(left_of(tried.chosen.effects, name))
     left = [one for one in tried.all if set(one.effects) <= rest and not one.fault]
     held_back = best_of_each(left) | best_of_each(one for one in left if not one.learnt)
     chosen = tried.refit

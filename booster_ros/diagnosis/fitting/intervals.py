@@ -335,6 +335,18 @@ def within(effect: str) -> set[str]:
     return {name for name in EFFECTS if name != effect and sizes_of(effect) & own_sizes(name)}
 
 
+def left_of(effects: tuple[str, ...], name: str) -> tuple[str, ...]:
+    """
+    Return what is left of the effects where one of them, `name`, is not shown.
+
+    The others, and those that it builds on: friction that does not differ along the travel is
+    friction all the same.
+    """
+    others = tuple(effect for effect in effects if effect != name)
+    return (*others, *(effect for effect in EFFECTS
+                       if effect in within(name) and effect not in others))
+
+
 def shapes_of(effect: str) -> set[str]:
     """Return the parameters that give an effect its shape; KeyError if there is no such effect."""
     return {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}

@@ -5,7 +5,7 @@
 from dataclasses import replace
 import itertools
 
-from booster_ros.diagnosis.fitting.intervals import within
+from booster_ros.diagnosis.fitting.intervals import left_of, within
 from booster_ros.diagnosis.searching.candidate import (
     Candidate, best_of_each, clearly_better, clears, preferred_first)
 from booster_ros.diagnosis.searching.cascade import shows_above_the_stem
@@ -38,20 +38,24 @@ def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
     return tried_of(tried.refit, chosen, everything)
 
 
-def _without(search: Search, chosen: Candidate, name: str, everything: list[Candidate],
-             fewer: _Fewer) -> Candidate:
+def _without(search: Search, chosen: Candidate, rest: tuple[str, ...],
+             everything: list[Candidate], fewer: _Fewer) -> Candidate:
     """
-    Return the chosen model without the effect `name`, fitted once and kept in `fewer`.
+    Return the chosen model with only the effects `rest`, fitted once and kept in `fewer`.
 
     Where the stem sticks, the fit of an earlier round with these effects serves: another takes
     long.
     """
-    rest = tuple(e for e in chosen.effects if e != name)
     if (chosen, rest) not in fewer:
         same = [one for one in everything if set(one.effects) == set(rest) and one.fit.sticks]
         fewer[chosen, rest] = min(same, key=lambda c: c.score) if same else search.without(
             chosen, rest)
     return fewer[chosen, rest]
+
+
+def _others(chosen: Candidate, name: str) -> tuple[str, ...]:
+    """Return the effects of the choice but for this one."""
+    return tuple(effect for effect in chosen.effects if effect != name)
 
 
 def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candidate]
@@ -106,7 +110,7 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     """
     for k, name in enumerate(chosen.effects[:-1]):
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
-        parent = _without(search, chosen, name, everything, fewer)
+        parent = _without(search, chosen, _others(chosen, name), everything, fewer)
         parent = replace(parent, lasting=chosen.lasting.intersection(parent.effects))
         others = extend(
             search, parent, lambda: None, _not_instead(chosen, parent, name, search.names),
@@ -133,8 +137,9 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
     if len(chosen.effects) < 2:
         return chosen
     for name in chosen.effects:
-        smaller = _without(search, chosen, name, everything, fewer)
         fault = search.fault(chosen.problem, chosen.fit, name)
+        rest = left_of(chosen.effects, name) if fault else _others(chosen, name)
+        smaller = _without(search, chosen, rest, everything, fewer)
         contained = any(name in within(other) for other in smaller.effects)
         if (fault or contained) and smaller.fit.sticks and smaller.score > STUCK * chosen.score:
             smaller = search.without(chosen, smaller.effects)
@@ -147,8 +152,7 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
 def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
     """Leave out every effect that the last and fullest fit does not tell from none."""
     for name in search.faults(chosen):
-        rest = tuple(e for e in chosen.effects if e != name)
-        smaller = search.on_both(search.without(chosen, rest), 1)
+        smaller = search.on_both(search.without(chosen, left_of(chosen.effects, name)), 1)
         everything.append(smaller)
         return _pruned(search, smaller, everything)
     return chosen
