@@ -4,12 +4,13 @@
 
 from dataclasses import replace
 
-from made_search import P, STEPS, searching, seen, standing_at, steps_seen
+from made_search import (
+    P, RAMPS, RAMPS_TIME, STEPS, searching, seen, standing_at, steps_seen)
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.experiment.segments import USED
-from booster_ros.diagnosis.fitting.freedom import put
+from booster_ros.diagnosis.fitting.freedom import get, put
 from booster_ros.diagnosis.last_fit import _without, last_fit, verdict_of
 from booster_ros.diagnosis.searching.nameless import preferable
 from booster_ros.diagnosis.searching.selection import Tried
@@ -64,3 +65,23 @@ def test_what_remains_of_two_effects_has_to_be_called_for(left, remains):
     after = _without(tried, 'dead_time', 'its size is not told from none')
     assert after.chosen.effects == remains
     assert not after.chosen.learnt
+
+
+@pytest.mark.parametrize(('sliding', 'stiction', 'seed', 'rows'), [
+    (40.0, 10.0, 1, slice(None)), (100.0, 30.0, 2, slice(3000))],
+    ids=['near the noise at once', 'after trials of friction'])
+def test_declared_parameters_come_back_where_the_stem_sticks(sliding, stiction, seed, rows):
+    """A search ends with parameters that had imitated friction, and slips hold them there."""
+    plant = put(put(P, 'actuator.coulomb_friction', sliding), 'actuator.stiction', stiction)
+    search = searching(
+        seen(plant, current=RAMPS[rows], time=RAMPS_TIME[rows], seed=seed), ('stem_friction',))
+    bent = {'ep_converter.time_constant': 0.02, 'actuator.dead_volume': 1.94e-4,
+            'actuator.viscous_friction': 2500.0}
+    candidate = standing_at(search, ('stem_friction',), {
+        **bent, 'actuator.coulomb_friction': 1.02 * sliding, 'actuator.stiction': 0.5 * stiction,
+        'actuator.presliding_stiffness': 1e8, 'actuator.presliding_damping': 0.95,
+        'actuator.stribeck_velocity': 8e-4})
+    last = last_fit(search, candidate)
+    for name in ('ep_converter.time_constant', 'actuator.dead_volume'):
+        assert get(last.fit.parameters, name) == pytest.approx(get(P, name), rel=0.03)
+    assert last.fit.cost < 1.05 * last.problem.rows_counted()

@@ -112,22 +112,28 @@ def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
 
 def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> LastFit:
     """
-    Return the fit; where it leaves more than noise, the best of it, fits through slips and trials.
+    Return the best of the fit and of others, from where the declared parameters imitate nothing.
 
-    The fits through slips begin with what is seen above the stem, then with the effects alone and
-    the declared parameters as given, as these had imitated what no fit had found yet. The trials
-    are around the best of these fits. The cost through slips decides which of all is best: when
-    single slips come is chance.
+    Where all that is left could be noise, one other fit begins with the effects alone and the
+    declared parameters as given. Else fits through slips begin with what is seen above the stem,
+    then with the effects alone. Friction is tried around the best of these fits, and both kinds of
+    fits begin once more from the best trial. There, the cost through slips decides: when single
+    slips come is chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
-    enough = fit.cost < NEAR_NOISE * problem.rows_counted()
-    if enough or not candidate.effects or _unnamed(candidate):
+    if not candidate.effects or _unnamed(candidate):
+        return LastFit(problem, problem.without_unseen(fit))
+    if fit.cost < NEAR_NOISE * problem.rows_counted():
+        again = problem.fit(declared_as_given(problem, fit.z), LAST_EVALUATIONS, SETTLED)
+        fit = min(fit, again, key=lambda found: found.cost)
         return LastFit(problem, problem.without_unseen(fit))
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
     trials = friction_trials(problem, fit.z)
     if np.argmin(trials.cost) > 0:
         fit = problem.at(trials.best)
+    fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
+    fit = _better(problem, fit, [declared_as_given(problem, fit.z)])
     return LastFit(problem, problem.without_unseen(fit), trials=trials)
 
 
