@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.searching.candidate import gain, shows_faintly, told_apart
+from booster_ros.diagnosis.searching.candidate import (
+    clearly_better, gain, shows_faintly, told_apart)
 
 
 def test_a_model_that_is_lost_on_the_way_is_told_from_one_that_is_not_and_not_from_another():
@@ -17,6 +18,9 @@ def test_a_model_that_is_lost_on_the_way_is_told_from_one_that_is_not_and_not_fr
     lost = replace(found, by_segment=np.array([100.0, 100.0, np.inf, 100.0, 100.0, 100.0]))
     assert gain(lost, found) == (np.inf, 0.0)
     assert gain(found, lost) == (-np.inf, 0.0)
+    assert clearly_better(found, lost)
+    assert not clearly_better(lost, found)
+    assert not clearly_better(lost, lost)
     assert gain(lost, lost) == (0.0, 0.0)
     assert told_apart(lost, found)
     assert not told_apart(found, lost)

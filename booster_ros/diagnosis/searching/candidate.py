@@ -117,6 +117,8 @@ def clearly_better(better: Candidate, worse: Candidate) -> bool:
     """
     if better.lasting.difference(worse.effects):
         return True
+    if not np.isfinite(worse.score):  # its run was lost, and any that was not is better
+        return bool(np.isfinite(better.score))
     fall, error = gain(worse, better)
     excess = max(worse.score - worse.samples, 0.0)
     enough = better.confirmed or fall > WORTH_EXPLAINING * excess
