@@ -212,7 +212,7 @@ def _found(tried: Tried, last: LastFit) -> tuple[FoundEffect, ...]:
                 tried_ends = last.trials.ends(index) if last.trials else None
                 parameters[parameter] = interval_of(
                     last.problem, last.draws, last.fit, index, tried_ends)
-        rest = tuple(e for e in best.effects if e != name)
+        rest = best.but(name)
         rivals = _rivals(name, rest, tried, best)
         without = _best_without(rest, held_out, tried)
         fall, error = gain(without, held_out)

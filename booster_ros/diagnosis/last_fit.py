@@ -26,7 +26,7 @@ from booster_ros.diagnosis.searching.cascade import as_seen_above
 from booster_ros.diagnosis.searching.knots import with_gentle_ends
 from booster_ros.diagnosis.searching.nameless import over_time, preferable, term_alone
 from booster_ros.diagnosis.searching.search import (
-    EVALUATIONS, LAST_EVALUATIONS, Search, as_given, declared_as_given, settled)
+    EVALUATIONS, LAST_EVALUATIONS, Search, as_given, begun_as_given, declared_as_given, settled)
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.unknown import UNNAMED
 
@@ -39,7 +39,8 @@ class LastFit:
     A problem on all but the locked rows, its fit, and draws of z by a bootstrap of its segments.
 
     Draws have the shape (draws, variables); there are none where no effect is to be told from none.
-    `trials` are the trials of friction around the fit of a stem that sticks and slips.
+    `trials` are the trials of friction of a stem that sticks and slips; the fit is the best of
+    them, or began there.
     """
 
     problem: Problem
@@ -112,20 +113,19 @@ def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
 
 def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> LastFit:
     """
-    Return the best of the fit and of others, from where the declared parameters imitate nothing.
+    Return the best of the fit from the end of the search and of fits that begin elsewhere.
 
-    Where all that is left could be noise, one other fit begins with the effects alone and the
-    declared parameters as given. Else fits through slips begin with what is seen above the stem,
-    then with the effects alone. Friction is tried around the best of these fits, and both kinds of
-    fits begin once more from the best trial. There, the cost through slips decides: when single
-    slips come is chance.
+    The search may have ended where the declared parameters imitate what was missing. Where all that
+    is left could be noise, one other fit begins with the effects alone and the declared parameters
+    as given. Else fits through slips begin with what is seen above the stem, then with the effects
+    alone. Friction is tried around the best of these fits, and both kinds of fits begin once more
+    from the best trial. There, the cost through slips decides: when single slips come is chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     if not candidate.effects or _unnamed(candidate):
         return LastFit(problem, problem.without_unseen(fit))
     if fit.cost < NEAR_NOISE * problem.rows_counted():
-        again = problem.fit(declared_as_given(problem, fit.z), LAST_EVALUATIONS, SETTLED)
-        fit = min(fit, again, key=lambda found: found.cost)
+        fit = min(fit, begun_as_given(problem, fit.z), key=lambda found: found.cost)
         return LastFit(problem, problem.without_unseen(fit))
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))

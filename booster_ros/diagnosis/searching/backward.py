@@ -53,11 +53,6 @@ def _without(search: Search, chosen: Candidate, rest: tuple[str, ...],
     return fewer[chosen, rest]
 
 
-def _others(chosen: Candidate, name: str) -> tuple[str, ...]:
-    """Return the effects of the choice but for this one."""
-    return tuple(effect for effect in chosen.effects if effect != name)
-
-
 def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candidate]
                       ) -> Candidate:
     """
@@ -65,9 +60,9 @@ def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candid
 
     Beside an effect that explains nearly all, another that takes away only a part of the rest is
     not added: a law that is not quite the valve's leaves as much. But it may be one of two that
-    the single effect imitated. So it is tried beside each other single effect as well, all else as
-    given, as alone that effect had bent the declared parameters; and the two are taken if they
-    leave hardly anything.
+    the single effect imitated. So it is tried beside the best few other single effects as well, all
+    else as given, as alone such an effect had bent the declared parameters; and the two are taken
+    if they leave hardly anything. Nothing is tried where a stem sticks, as that takes minutes.
     """
     single = [one for one in everything if not one.fault and len(one.effects) == 1
               and one.effects != chosen.effects]
@@ -110,7 +105,7 @@ def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], t
     """
     for k, name in enumerate(chosen.effects[:-1]):
         tell(f'trying others in the place of {name}', 0.7 + 0.03 * k)
-        parent = _without(search, chosen, _others(chosen, name), everything, fewer)
+        parent = _without(search, chosen, chosen.but(name), everything, fewer)
         parent = replace(parent, lasting=chosen.lasting.intersection(parent.effects))
         others = extend(
             search, parent, lambda: None, _not_instead(chosen, parent, name, search.names),
@@ -136,9 +131,10 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
     """Leave out every effect that has a fault, or without which the others do as well."""
     if len(chosen.effects) < 2:
         return chosen
+    faults = search.faults(chosen)
     for name in chosen.effects:
-        fault = search.fault(chosen.problem, chosen.fit, name)
-        rest = left_of(chosen.effects, name) if fault else _others(chosen, name)
+        fault = name in faults
+        rest = left_of(chosen.effects, name) if fault else chosen.but(name)
         smaller = _without(search, chosen, rest, everything, fewer)
         contained = any(name in within(other) for other in smaller.effects)
         if (fault or contained) and smaller.fit.sticks and smaller.score > STUCK * chosen.score:
@@ -151,8 +147,9 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
 
 def _pruned(search: Search, chosen: Candidate, everything: list[Candidate]) -> Candidate:
     """Leave out every effect that the last and fullest fit does not tell from none."""
-    for name in search.faults(chosen):
-        smaller = search.on_both(search.without(chosen, left_of(chosen.effects, name)), 1)
-        everything.append(smaller)
-        return _pruned(search, smaller, everything)
-    return chosen
+    name = next(iter(search.faults(chosen)), None)
+    if name is None:
+        return chosen
+    smaller = search.on_both(search.without(chosen, left_of(chosen.effects, name)), 1)
+    everything.append(smaller)
+    return _pruned(search, smaller, everything)

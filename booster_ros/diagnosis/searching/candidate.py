@@ -81,6 +81,10 @@ class Candidate:
         """Mean square of the scaled residuals on the select segments: 1 is noise."""
         return float(self.by_segment.sum()) / max(self.samples, 1)
 
+    def but(self, name: str) -> tuple[str, ...]:
+        """Return its effects without this one."""
+        return tuple(effect for effect in self.effects if effect != name)
+
 
 def gain(worse: Candidate, better: Candidate) -> tuple[float, float]:
     """

@@ -187,7 +187,7 @@ def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
     fit = problem.at(chosen.fit.z)
     found = []
     for effect in chosen.effects:
-        rest = tuple(e for e in chosen.effects if e != effect)
+        rest = chosen.but(effect)
         others = tuple(name for name in search.names
                        if name not in chosen.effects and not redundant(name, rest))
         for one in substitutes(problem, fit, effect, rest, others):

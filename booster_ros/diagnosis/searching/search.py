@@ -245,9 +245,13 @@ def settled(problem: Problem, z: Array) -> Fit:
     hardly shows come back from there only in tiny steps, and they may show in another record. From
     the parameters as given, a fit does not go there, and is soon at its very end.
     """
-    fits = [problem.fit(z, evaluations=EVALUATIONS),
-            problem.fit(declared_as_given(problem, z), LAST_EVALUATIONS, SETTLED)]
+    fits = [problem.fit(z, evaluations=EVALUATIONS), begun_as_given(problem, z)]
     return min(fits, key=lambda found: found.cost)
+
+
+def begun_as_given(problem: Problem, z: Array) -> Fit:
+    """Return a fit to the very end that begins with the effects at z, and all else as given."""
+    return problem.fit(declared_as_given(problem, z), LAST_EVALUATIONS, SETTLED)
 
 
 def polished(problem: Problem, fit: Fit, worth: float = WORTH_POLISHING) -> Fit:
