@@ -24,8 +24,8 @@ named effects, two where the stem sticks. Numbered as carried out:
    effect is called for, models that leave noise on the fit segments learn from the select segments
    what those alone show, and count with what they learnt;
 6. where there are several effects, try every other one in the place of each, then leave each out;
-   where there is one, and a second one explained a part of the rest, try that beside each other
-   one: the choice may have imitated both;
+   where there is one, and a second one explained a part of the rest, try that beside the best few
+   others: the choice may have imitated both;
 7. models near the choice are fitted to every row and compared once more (see rematch).
 
 Steps 2 to 5 are in forward, 6 and 7 in backward. Where a term without a name alone leaves noise
