@@ -74,7 +74,7 @@ def test_a_new_shape_of_friction_begins_as_it_typically_is(monkeypatch):
     add_effect(monkeypatch, 'dry_packing', 'stem',
                Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3, rubs=True),
                Knob('actuator.flow_force_decay', 0.7, 0.05, 3.0, 0.3, shape=True))
-    monkeypatch.setattr(Problem, 'cost_through_slips', lambda self, z: float(z @ z))
+    monkeypatch.setattr(Problem, 'cost_through_slips', lambda self, z: float(np.sum((z - 1.0)**2)))
     problem = problem_of(RIGID, 'dry_packing')
     found = problem.parameters(best_friction(problem, problem.start()))
     assert found.actuator.flow_force_decay == pytest.approx(0.7)
@@ -179,6 +179,27 @@ def test_of_friction_along_the_travel_the_gradient_stays():
     moved = best_friction(problem, z)
     assert moved[names.index('actuator.friction_gradient')] == 0.4
     assert moved[names.index('actuator.coulomb_friction')] != z[0]
+
+
+def test_of_a_stem_that_has_galled_the_place_stays():
+    problem = problem_of({'actuator.coulomb_friction': 400.0}, 'position_dependent_friction')
+    z = z_of(problem, {
+        'actuator.coulomb_friction': 900.0, 'actuator.friction_peak': 500.0,
+        'actuator.friction_peak_position': 5e-3, 'actuator.friction_peak_width': 1e-3,
+        'actuator.presliding_damping': 2.5})
+    found = problem.parameters(best_friction(problem, z)).actuator
+    assert found.coulomb_friction != pytest.approx(900.0, rel=0.2)
+    assert found.friction_peak == pytest.approx(500.0)
+    assert found.friction_peak_position == pytest.approx(5e-3)
+    assert found.friction_peak_width == pytest.approx(1e-3)
+    assert found.presliding_damping == pytest.approx(1.0)
+
+
+def test_friction_that_fits_better_than_all_that_is_tried_stays():
+    values = RIGID | {'actuator.presliding_stiffness': 2e7, 'actuator.presliding_damping': 0.3}
+    problem = problem_of(values)
+    z = problem.fit_through_slips(z_of(problem, values), 10).z
+    assert best_friction(problem, z) is z
 
 
 def test_where_no_friction_is_free_nothing_is_tried(monkeypatch):

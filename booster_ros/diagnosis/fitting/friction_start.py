@@ -15,6 +15,7 @@ import itertools
 import numpy as np
 
 from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.intervals import shapes_of
 from booster_ros.diagnosis.fitting.proportion import proportion
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.model.actuator import is_rigid
@@ -38,6 +39,7 @@ the sliding friction, as a share of it, and of the share that breaks away.
 DAMPINGS = (0.5, 1.0)
 """Values of the damping of a packing from which fits begin, as shares of critical damping."""
 
+_STICTION = 'actuator.stiction'
 _Trial = tuple[float, float, bool]
 
 
@@ -45,14 +47,14 @@ def best_friction(problem: Problem, z: Array) -> Array:
     """
     Return z with the friction that fits best through slips, beside everything else as it is.
 
-    And with the start as given, as it had bent itself to the earlier friction. Return z itself
-    where no friction is free.
+    How friction differs along the travel stays, too; the shapes of the packing become typical. The
+    start is as given, as it had bent itself to the earlier friction. Return z itself where no
+    friction is free, or none does better than that at z.
     """
     if not any(free.knob.rubs for free in problem.freedoms):
         return z
     low, high = problem.bounds()
-    shapes = {knob.parameter for effect in EFFECTS.values() if effect.rubs
-              for knob in effect.knobs if knob.shape}
+    packing = _shapes_of_packings()
 
     def placed(trial: _Trial) -> Array:
         sliding, share, yields = trial
@@ -62,11 +64,11 @@ def best_friction(problem: Problem, z: Array) -> Array:
             name = free.knob.parameter
             if free.knob.rubs:
                 moved[j] = free.variable(sliding)
-            elif name == 'actuator.stiction':
+            elif name == _STICTION:
                 moved[j] = free.variable(share * sliding)
             elif name == 'actuator.presliding_stiffness':
                 moved[j] = free.variable(free.knob.typical if yields else 0.0)
-            elif name in shapes:
+            elif name in packing:
                 moved[j] = free.variable(free.knob.typical)
         return np.clip(moved, low, high)
 
@@ -82,7 +84,14 @@ def best_friction(problem: Problem, z: Array) -> Array:
         hollows = [tried((sliding * (1.0 + step * j), max(share + more * k, 0.0), yields)
                          for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))[0]
                    for _, (sliding, share, yields) in hollows]
-    return placed(min(hollows)[1])
+    return min(z, placed(min(hollows)[1]), key=problem.cost_through_slips)
+
+
+def _shapes_of_packings() -> set[str]:
+    """Return the shapes of friction that has no size but those that are tried."""
+    return set().union(*(
+        shapes_of(name) for name, effect in EFFECTS.items() if effect.rubs
+        and all(knob.shape or knob.rubs or knob.parameter == _STICTION for knob in effect.knobs)))
 
 
 def each_damping(problem: Problem, z: Array) -> list[Array]:

@@ -118,7 +118,7 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
         if free.knob.parameter == _IMITATES:
             place[j] = 0.0
     thin = search.on(candidate.problem, roles, search.thinning)
-    return min(place, best_friction(thin, place), key=thin.cost_through_slips)
+    return best_friction(thin, place)
 
 
 def seen_from_above(search: Search, candidate: Candidate) -> Candidate:
