@@ -10,7 +10,7 @@ import pytest
 
 from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.searching.candidate import (
-    clearly_better, gain, shows_faintly, told_apart)
+    clearly_better, clears, gain, shows_faintly, told_apart)
 
 
 def test_a_model_that_is_lost_on_the_way_is_told_from_one_that_is_not_and_not_from_another():
@@ -42,6 +42,23 @@ def test_what_matters_little_shows_where_cost_and_score_fall_beyond_chance(cost,
     better = replace(found, by_segment=found.by_segment - falls,
                      fit=replace(found.fit, cost=found.fit.cost - cost))
     assert shows_faintly(better, found) == shows
+
+
+@pytest.mark.parametrize(('before', 'after', 'cleared'), [
+    (1.5, 1.1, True), (1.5, 1.2, False), (0.98, 0.97, False), (0.98, 0.99, False)])
+def test_nothing_is_cleared_where_no_more_than_noise_was_left(before, after, cleared):
+    refit = replace(searching(seen(P), ()).refit(), samples=600)
+    worse, better = (
+        replace(refit, by_segment=np.full(6, 100.0 * left)) for left in (before, after))
+    assert clears(better, worse) == cleared
+
+
+def test_what_a_fit_leaves_is_counted_for_each_row_it_was_fitted_to():
+    search = searching(seen(P), ())
+    refit = search.refit()
+    both = search.on_both(refit, search.thinning)
+    assert both.fit.cost > 1.3 * refit.fit.cost
+    assert both.fitted_misfit == pytest.approx(refit.fitted_misfit, rel=0.1)
 
 
 @pytest.mark.parametrize('reached', [None, 0, 700])

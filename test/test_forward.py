@@ -47,6 +47,16 @@ def test_a_fit_is_carried_on_to_its_end():
     assert search.at_its_end(begun).fit.cost < 1.002 * end
 
 
+def test_at_the_end_of_a_fit_an_effect_is_judged_anew():
+    search, begun = short_of_its_end()
+    end = search.at_its_end(replace(begun, effects=()))
+    assert not end.fault
+    problem = search.joint(search.problem(), ('chamber_leak',))
+    leaking = search.rate(('chamber_leak',), problem, problem.fit(evaluations=5))
+    assert not leaking.fault
+    assert search.at_its_end(leaking).fault == 'its size is not told from none'
+
+
 @pytest.mark.parametrize('taught', [True, False])
 @pytest.mark.parametrize('better', [True, False])
 def test_what_only_takes_the_steps_that_a_refit_lacks_is_no_effect(monkeypatch, taught, better):

@@ -187,7 +187,7 @@ def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     def met_up_to(end: int, begin: Fit | None = None) -> Fit | None:
         problem = replace(whole, rows=kept < end)
         fit = problem.fit(None if begin is None else begin.z, evaluations=EVALUATIONS)
-        return fit if fit.cost < NEAR_NOISE * problem.rows_counted() else None
+        return fit if problem.mean_square(fit) < NEAR_NOISE else None
 
     first, *further = ends[True] or ends[False]
     fit = met_up_to(first)

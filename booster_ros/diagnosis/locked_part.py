@@ -127,7 +127,7 @@ def _explain_little(found: Opened) -> bool:
 
 def _misses_much(refit: LastFit) -> bool:
     """Tell whether the declared model leaves much of what it was fitted to."""
-    return refit.fit.cost > FAITHFUL * refit.problem.rows_counted()
+    return refit.problem.mean_square(refit.fit) > FAITHFUL
 
 
 def _none_of(tried: Tried) -> Tried:

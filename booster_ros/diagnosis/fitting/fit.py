@@ -312,6 +312,10 @@ class Problem:
         """Return how many measurements count, over all channels."""
         return sum(int(np.count_nonzero(rows)) for rows in self.counted.values())
 
+    def mean_square(self, fit: Fit) -> float:
+        """Return the cost of a fit to these rows for each that counts, priors included."""
+        return fit.cost / max(self.rows_counted(), 1)
+
     def start(self) -> Array:
         """Return z of the given parameters."""
         return np.zeros(len(self.freedoms) + self.nuisances)

@@ -64,9 +64,9 @@ def called_for_above(search: Search, refit: Candidate) -> Candidate | None:
         return None
     problem = search.joint(search.problem(), found.effects)
     fit = problem.fit(carried(problem, refit.fit, found.fit), evaluations=EVALUATIONS)
-    return search.rate(found.effects, problem, fit)
+    return search.judged(search.rate(found.effects, problem, fit))
 
 
 def _left(fitted: Candidate) -> float:
     """Return the mean square misfit of the fit or the select segments, whichever is larger."""
-    return max(fitted.misfit, fitted.fit.cost / fitted.problem.rows_counted())
+    return max(fitted.misfit, fitted.fitted_misfit)

@@ -81,6 +81,11 @@ class Candidate:
         """Mean square of the scaled residuals on the select segments: 1 is noise."""
         return float(self.by_segment.sum()) / max(self.samples, 1)
 
+    @property
+    def fitted_misfit(self) -> float:
+        """Mean square of the scaled residuals where it was fitted, priors included."""
+        return self.problem.mean_square(self.fit)
+
     def but(self, name: str) -> tuple[str, ...]:
         """Return its effects without this one."""
         return tuple(effect for effect in self.effects if effect != name)
@@ -131,8 +136,8 @@ def clearly_better(better: Candidate, worse: Candidate) -> bool:
 
 
 def clears(better: Candidate, worse: Candidate) -> bool:
-    """Tell whether `better` leaves hardly anything of what `worse` leaves above noise."""
-    return better.misfit - 1.0 < CLEARED * (worse.misfit - 1.0)
+    """Tell whether `worse` leaves more than noise, and `better` hardly anything of that."""
+    return worse.misfit > 1.0 and better.misfit - 1.0 < CLEARED * (worse.misfit - 1.0)
 
 
 def shows_faintly(better: Candidate, worse: Candidate) -> bool:
@@ -155,9 +160,8 @@ def _seen_twice(better: Candidate, worse: Candidate) -> bool:
     as large as itself. It counts if the better model takes away nearly all that noise does not
     explain, in the select segments and in the fit segments as well.
     """
-    fitted, before = (one.fit.cost / max(one.problem.rows_counted(), 1) for one in (better, worse))
     falls = worse.by_segment - better.by_segment
-    return (fitted - 1.0 < NEARLY_ALL * (before - 1.0)
+    return (better.fitted_misfit - 1.0 < NEARLY_ALL * (worse.fitted_misfit - 1.0)
             and better.misfit - 1.0 < NEARLY_ALL * (worse.misfit - 1.0)
             and float(falls.min()) > -NEARLY_ALL * float(falls.max()))
 

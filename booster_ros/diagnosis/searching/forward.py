@@ -113,7 +113,7 @@ def _leading(search: Search, chosen: Candidate, ranked: list[Candidate],
     """
     above = None if chosen.effects else called_for_above(search, chosen)
     if above is None:
-        return min(ranked, key=lambda c: c.misfit * c.fit.cost)
+        return min(ranked, key=lambda c: c.misfit * c.fitted_misfit)
     everything.append(above)
     return above
 

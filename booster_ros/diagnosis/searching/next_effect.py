@@ -222,7 +222,7 @@ def _first_steps_in_parts(search: Search, parent: Candidate, names: list[str], a
             start = carried(joint, parent.fit, part.fit)
             begun.append(replace(part, problem=joint, fit=joint.fit(
                 start, evaluations=FIRST_EVALUATIONS)))
-            if begun[-1].fit.cost > STILL_FAR * joint.rows_counted():
+            if joint.mean_square(begun[-1].fit) > STILL_FAR:
                 begun.append(replace(begun[-1], fit=joint.fit_through_slips(
                     best_friction(joint, start), evaluations=FIRST_EVALUATIONS)))
         tick()
@@ -243,7 +243,7 @@ def shows_in_means(before: Problem, fitted: Fit, problem: Problem, fit: Fit) -> 
 
 def _waste(quick: Screened, begun: list[_Begun]) -> bool:
     """Tell whether a hopeless effect is slow to fit and another one has reached the noise."""
-    reached = any(one.fit.cost < NEAR_NOISE * one.problem.rows_counted() for one in begun)
+    reached = any(one.problem.mean_square(one.fit) < NEAR_NOISE for one in begun)
     return reached and any(
         has_dry_friction(quick.problem.parameters(z).actuator) for z in quick.starts)
 

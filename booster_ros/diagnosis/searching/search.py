@@ -31,7 +31,7 @@ EVALUATIONS, LAST_EVALUATIONS = 10, 30
 """Steps of one fit, and of one that is to go to its very end."""
 
 FAR_BEHIND = 10.0
-"""Multiple of another model's cost from which a model is no rival of it, and fitted no further."""
+"""Multiple of another model's mean square from which a model is no rival, and fitted no further."""
 
 POLISHINGS = 4
 WORTH_POLISHING, WORTH_A_LAST_POLISHING = 0.01, 0.001
@@ -144,7 +144,7 @@ class Search:
         if not has_dry_friction(begun.parameters.actuator):
             again = problem.fit(as_given(problem, z), evaluations=EVALUATIONS)
             begun = min(begun, again, key=lambda fit: fit.cost)
-        if begun.cost < FAR_BEHIND * chosen.fit.cost:
+        if problem.mean_square(begun) < FAR_BEHIND * chosen.fitted_misfit:
             begun = polished(problem, begun)
         return self.rate(rest, problem, begun)
 
@@ -159,10 +159,12 @@ class Search:
         Return the model fitted on until that no longer pays.
 
         Short of the end of a flat valley, a model misses what it was not fitted to, and seems to
-        lack whatever only takes some steps more.
+        lack whatever only takes some steps more. Its last effect is judged anew there.
         """
-        return self.refitted(candidate, polished(
-            candidate.problem, candidate.fit, WORTH_A_LAST_POLISHING))
+        problem = candidate.problem
+        fit = polished(problem, candidate.fit, WORTH_A_LAST_POLISHING)
+        return replace(self.refitted(candidate, fit), fault=next(
+            (self.fault(problem, fit, name) for name in candidate.effects[-1:]), ''))
 
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""

@@ -31,7 +31,7 @@ what noise exceeds so often.
 
 def fitted_to_noise(candidate: Candidate) -> bool:
     """Tell whether a model leaves noise where it was fitted."""
-    return candidate.fit.cost < NEAR_NOISE * candidate.problem.rows_counted()
+    return candidate.fitted_misfit < NEAR_NOISE
 
 
 def taught(search: Search, candidate: Candidate) -> Candidate | None:
