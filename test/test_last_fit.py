@@ -85,3 +85,7 @@ def test_declared_parameters_come_back_where_the_stem_sticks(sliding, stiction, 
     for name in ('ep_converter.time_constant', 'actuator.dead_volume'):
         assert get(last.fit.parameters, name) == pytest.approx(get(P, name), rel=0.03)
     assert last.fit.cost < 1.05 * last.problem.rows_counted()
+    if last.trials is not None:
+        left = last.problem.cost_through_slips(last.fit.z)
+        assert left == pytest.approx(last.trials.cost.min(), rel=1e-3)
+        assert any(np.array_equal(last.fit.z, z) for z in last.trials.as_good)

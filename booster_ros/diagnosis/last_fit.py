@@ -39,8 +39,8 @@ class LastFit:
     A problem on all but the locked rows, its fit, and draws of z by a bootstrap of its segments.
 
     Draws have the shape (draws, variables); there are none where no effect is to be told from none.
-    `trials` are the trials of friction of a stem that sticks and slips; the fit is the best of
-    them, or began there.
+    `trials` are the trials of friction around the fit of a stem that sticks and slips; the fit is
+    the best of them.
     """
 
     problem: Problem
@@ -105,7 +105,7 @@ def _without_slips(problem: Problem, candidate: Candidate) -> Fit:
     if not candidate.effects or _unnamed(candidate):
         return problem.fit(candidate.fit.z, LAST_EVALUATIONS, SETTLED)
     fit = settled(problem, candidate.fit.z)
-    if fit.cost < NEAR_NOISE * problem.rows_counted():
+    if problem.mean_square(fit) < NEAR_NOISE:
         return fit
     again = problem.fit(as_given(problem, fit.z), evaluations=EVALUATIONS)
     return min(fit, again, key=lambda found: found.cost)
@@ -119,22 +119,29 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     is left could be noise, one other fit begins with the effects alone and the declared parameters
     as given. Else fits through slips begin with what is seen above the stem, then with the effects
     alone. Friction is tried around the best of these fits, and both kinds of fits begin once more
-    from the best trial. There, the cost through slips decides: when single slips come is chance.
+    from the best trial; around one that is better, friction is tried again. There, the cost through
+    slips decides: when single slips come is chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     if not candidate.effects or _unnamed(candidate):
         return LastFit(problem, problem.without_unseen(fit))
-    if fit.cost < NEAR_NOISE * problem.rows_counted():
+    if problem.mean_square(fit) < NEAR_NOISE:
         fit = min(fit, begun_as_given(problem, fit.z), key=lambda found: found.cost)
         return LastFit(problem, problem.without_unseen(fit))
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
-    trials = friction_trials(problem, fit.z)
-    if np.argmin(trials.cost) > 0:
-        fit = problem.at(trials.best)
-    fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
-    fit = _better(problem, fit, [declared_as_given(problem, fit.z)])
+    fit, trials = _tried_around(problem, fit)
+    further = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
+    further = _better(problem, further, [declared_as_given(problem, further.z)])
+    if further is not fit:
+        fit, trials = _tried_around(problem, further)
     return LastFit(problem, problem.without_unseen(fit), trials=trials)
+
+
+def _tried_around(problem: Problem, fit: Fit) -> tuple[Fit, Trials]:
+    """Return the best of the trials of friction around a fit, which may be the fit, and them."""
+    trials = friction_trials(problem, fit.z)
+    return (problem.at(trials.best) if np.argmin(trials.cost) else fit), trials
 
 
 def _better(problem: Problem, fit: Fit, starts: list[Array]) -> Fit:
