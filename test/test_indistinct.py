@@ -11,6 +11,7 @@ from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.experiment.segments import split
 from booster_ros.diagnosis.fitting.applicable import applicable
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
+from booster_ros.diagnosis.searching import rematch as rematching
 from booster_ros.diagnosis.searching.candidate import UNLIKELY
 from booster_ros.diagnosis.searching.indistinct import substitutes
 from booster_ros.diagnosis.searching.next_effect import CLOSE, _Begun, _bring_to_equal_terms
@@ -60,7 +61,8 @@ OTHERS = ('exhaust_seat_leak', 'opening_nonlinearity', 'spring_nonlinearity', 'e
 def places_of(search, chosen, others=OTHERS):
     """Return what other effects would cost in the place of the one that was chosen."""
     problem = search.on(chosen.problem, ('fit', 'select'), 1)
-    found = substitutes(problem, problem.at(chosen.fit.z), chosen.effects[0], (), others)
+    rest = search.on(search.problem(), ('fit', 'select'), 1)
+    found = substitutes(problem, problem.at(chosen.fit.z), rest, others)
     return {one.effect: one.cost for one in found}
 
 
@@ -76,8 +78,8 @@ def test_how_a_record_starts_tells_no_two_leaks_apart(leaking):
     problem = search.on(chosen.problem, ('fit', 'select'), 1)
     unsettled = chosen.fit.z.copy()
     unsettled[len(problem.freedoms) + 1] += 16.0  # 8 kPa
-    (other,) = substitutes(
-        problem, problem.at(unsettled), 'chamber_leak', (), ('exhaust_seat_leak',))
+    rest = search.on(search.problem(), ('fit', 'select'), 1)
+    (other,) = substitutes(problem, problem.at(unsettled), rest, ('exhaust_seat_leak',))
     assert abs(other.cost) < 1.0
 
 
@@ -88,6 +90,18 @@ def test_two_leaks_of_the_same_air_are_one_to_a_record_and_a_curved_spring_is_no
     assert costs['spring_nonlinearity'] > 100.0
     assert costs['position_backlash'] > 100.0
     assert list(costs.values()) == sorted(costs.values())
+
+
+def test_what_an_effect_had_made_unsure_is_sure_again_without_it(leaking, monkeypatch):
+    """A converter that is not straight leaves its gain and its offset open."""
+    search, _ = leaking
+    chosen = model_with(search, 'ep_nonlinearity', 0.5)
+    assert chosen.problem.freedoms[:len(search.freedoms)] != search.freedoms
+    asked = []
+    monkeypatch.setattr(
+        rematching, 'substitutes', lambda _, __, rest, ___: asked.append(rest) or [])
+    rematch(search, chosen, [chosen])
+    assert [rest.freedoms for rest in asked] == [search.freedoms]
 
 
 def test_without_the_stem_seen_a_leak_is_more_alike_to_others(leaking):

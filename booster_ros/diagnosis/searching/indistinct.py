@@ -23,7 +23,7 @@ from booster_ros.diagnosis.experiment.experiment import Experiment
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.diagnosis.searching.screening import reference_at, screen
-from booster_ros.model.catalogue import EFFECTS
+from booster_ros.diagnosis.searching.search import carried
 
 Array = np.ndarray
 
@@ -40,25 +40,22 @@ class Substitute:
     start: Array
 
 
-def substitutes(problem: Problem, fit: Fit, effect: str, present: tuple[str, ...],
-                others: tuple[str, ...]) -> list[Substitute]:
+def substitutes(problem: Problem, fit: Fit, rest: Problem, others: tuple[str, ...]
+                ) -> list[Substitute]:
     """
     Return the other effects by how much they would cost in the place of a fitted one, least first.
 
-    `problem` frees the parameters of `effect` and of those `present` beside it; `fit` is its fit.
+    `problem` is that of the fit; `rest`, on the same rows, is that of the same model without the
+    effect, each parameter as sure as it is without it.
     """
-    shared = {knob.parameter for name in present for knob in EFFECTS[name].knobs}
-    mine = {knob.parameter for knob in EFFECTS[effect].knobs} - shared
-    kept = [j for j in range(len(fit.z)) if j >= len(problem.freedoms)
-            or problem.freedoms[j].knob.parameter not in mine]
-    rest = Problem(_as_predicted(problem, fit), problem.rows, problem.base, tuple(
-        problem.freedoms[j] for j in kept if j < len(problem.freedoms)))
-    around = [reference_at(rest, rest.at(fit.z[kept]))]
+    rest = replace(rest, experiment=_as_predicted(problem, fit))
+    z = carried(rest, fit)
+    around = [reference_at(rest, rest.at(z))]
     departures = problem.cost_of_priors(fit.z)
 
     def one(name: str) -> Substitute:
         found = screen(rest, around, name, _A_FREQUENCY)
-        start = found.starts[0] if found.starts else fit.z[kept]
+        start = found.starts[0] if found.starts else z
         joint = replace(found.problem, experiment=problem.experiment)
         return Substitute(name, found.cost - departures, joint, start)
 

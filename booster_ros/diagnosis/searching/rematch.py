@@ -181,8 +181,9 @@ def _in_the_choice(one: Candidate, chosen: Candidate) -> bool:
 
 def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
     """Return models with one effect of the choice exchanged that do as well whatever the noise."""
-    problem = search.on(chosen.problem, ('fit', 'select'), search.thinning)
-    whole = search.on(chosen.problem, ('fit', 'select'), 1).rows_counted()
+    fitted_to = ('fit', 'select')
+    problem = search.on(chosen.problem, fitted_to, search.thinning)
+    whole = search.on(chosen.problem, fitted_to, 1).rows_counted()
     likely = UNLIKELY * problem.rows_counted() / whole
     fit = problem.at(chosen.fit.z)
     found = []
@@ -190,7 +191,8 @@ def _indistinct(search: Search, chosen: Candidate) -> list[Candidate]:
         rest = chosen.but(effect)
         others = tuple(name for name in search.names
                        if name not in chosen.effects and not redundant(name, rest))
-        for one in substitutes(problem, fit, effect, rest, others):
+        without = search.on(search.joint(search.problem(), rest), fitted_to, search.thinning)
+        for one in substitutes(problem, fit, without, others):
             if one.cost < likely:
                 thin = search.on(one.problem, ('fit',), search.thinning)
                 found.append(search.rate(
