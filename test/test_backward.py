@@ -9,7 +9,8 @@ from made_search import (
 import pytest
 
 from booster_ros.diagnosis.fitting.intervals import left_of
-from booster_ros.diagnosis.searching.backward import _backward, _pruned, _two_in_its_place
+from booster_ros.diagnosis.searching.backward import (
+    _backward, _pruned, _two_in_its_place, _without)
 from booster_ros.model.parameters import from_values
 
 
@@ -70,6 +71,18 @@ def test_friction_stays_where_it_is_not_shown_to_differ_along_the_travel(without
     assert left.misfit < 1.3
 
 
+@pytest.mark.parametrize('learnt', [False, True])
+def test_what_learnt_from_held_back_segments_is_compared_with_what_did_as_well(learnt):
+    search = searching(seen(P), ())
+    chosen = replace(standing_at(search, ('chamber_leak', 'ep_hysteresis'), {
+        'actuator.leak_area': 1e-9, 'ep_converter.hysteresis': 1e-9}), learnt=learnt)
+    left = _without(search, chosen, ('chamber_leak',), [], {})
+    roles = ('fit', 'select') if learnt else ('fit',)
+    assert left.learnt == learnt
+    assert left.problem.rows_counted() == search.on(
+        left.problem, roles, search.thinning).rows_counted()
+
+
 @pytest.mark.parametrize(('plant', 'effects'), [
     ({'ep_converter.hysteresis': 3.5e-6, 'actuator.spring_bend': -75.0,
       'actuator.spring_excess': 290.0}, ('ep_hysteresis', 'spring_nonlinearity')),
@@ -91,6 +104,7 @@ def test_two_effects_that_a_third_imitated_take_its_place(plant, effects):
         'ep_converter.hysteresis': 3.2e-6, 'ep_converter.offset': 7e3}, 3.7)
     bent = as_if(('booster_dead_band', 'spring_nonlinearity'), {
         **dead, 'actuator.spring_bend': -75.0, 'actuator.spring_excess': 170.0}, 1.09)
-    everything = [chosen, lagging, bent]
-    assert _two_in_its_place(search, chosen, everything).effects == effects
+    rubbing = as_if(('booster_dead_band', 'stem_friction'), {**dead, **RUBBING}, 1.08)
+    everything = [chosen, lagging, bent, rubbing]
+    assert _two_in_its_place(search, chosen, everything, lambda *_: None).effects == effects
     assert everything[-1].effects == ('ep_hysteresis', 'spring_nonlinearity')

@@ -10,12 +10,18 @@ from booster_ros.diagnosis.searching.candidate import (
     Candidate, best_of_each, clearly_better, clears, preferred_first)
 from booster_ros.diagnosis.searching.cascade import shows_above_the_stem
 from booster_ros.diagnosis.searching.next_effect import extend
-from booster_ros.diagnosis.searching.rematch import RIVALS, rematch
+from booster_ros.diagnosis.searching.rematch import rematch
 from booster_ros.diagnosis.searching.search import (
     FAR_BEHIND, LAST_EVALUATIONS, Search, carried, declared_as_given)
 from booster_ros.diagnosis.searching.selection import Progress, Tried, tried_of
 
 _Fewer = dict[tuple[Candidate, tuple[str, ...]], Candidate]
+
+FEW = 3
+"""
+Number of single effects, and of those that explain a part beside the choice, of which each pair is
+tried.
+"""
 
 STUCK = 2.0
 """
@@ -28,7 +34,7 @@ def compared(search: Search, tried: Tried, tell: Progress) -> Tried:
     """Carry out steps 6 and 7: exchange each effect, leave each out, fit close models anew."""
     everything = list(tried.all)
     fewer: _Fewer = {}
-    chosen = _two_in_its_place(search, tried.chosen, everything)
+    chosen = _two_in_its_place(search, tried.chosen, everything, tell)
     chosen = _exchanged(search, chosen, everything, tell, fewer)
     chosen = _backward(search, chosen, everything, fewer)
     tell('comparing those nearest to each other', 0.78)
@@ -43,18 +49,26 @@ def _without(search: Search, chosen: Candidate, rest: tuple[str, ...],
     """
     Return the chosen model with only the effects `rest`, fitted once and kept in `fewer`.
 
-    Where the stem sticks, the fit of an earlier round with these effects serves: another takes
-    long.
+    A choice that learnt from the select segments as well is compared with one that learnt from
+    them, too. Where the stem sticks, the fit of an earlier round with these effects serves: another
+    takes long.
     """
     if (chosen, rest) not in fewer:
-        same = [one for one in everything if set(one.effects) == set(rest) and one.fit.sticks]
-        fewer[chosen, rest] = min(same, key=lambda c: c.score) if same else search.without(
-            chosen, rest)
+        same = [one for one in everything if set(one.effects) == set(rest) and one.fit.sticks
+                and one.learnt == chosen.learnt]
+        fewer[chosen, rest] = min(same, key=lambda c: c.score) if same else _left_with(
+            search, chosen, rest)
     return fewer[chosen, rest]
 
 
-def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candidate]
-                      ) -> Candidate:
+def _left_with(search: Search, chosen: Candidate, rest: tuple[str, ...]) -> Candidate:
+    """Return the chosen model with only the effects `rest`, fitted to the same segments."""
+    smaller = search.without(chosen, rest)
+    return search.on_both(smaller, search.thinning) if chosen.learnt else smaller
+
+
+def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candidate],
+                      tell: Progress) -> Candidate:
     """
     Return the model with two other effects in the place of a single one that imitated both.
 
@@ -62,22 +76,24 @@ def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candid
     not added: a law that is not quite the valve's leaves as much. But it may be one of two that
     the single effect imitated. So it is tried beside the best few other single effects as well, all
     else as given, as alone such an effect had bent the declared parameters; and the two are taken
-    if they leave hardly anything. Nothing is tried where a stem sticks, as that takes minutes.
+    if they leave hardly anything. No model of a stem that sticks is among them, as each would take
+    minutes.
     """
-    single = [one for one in everything if not one.fault and len(one.effects) == 1
-              and one.effects != chosen.effects]
-    beside = [one for one in everything if not one.fault and len(one.effects) == 2
-              and set(one.effects) > set(chosen.effects) and clearly_better(one, chosen)]
-    if len(chosen.effects) != 1 or _stick(chosen, *beside):
+    if len(chosen.effects) != 1 or chosen.fit.sticks:
         return chosen
+    others = [one for one in everything if not one.fault and not one.fit.sticks]
+    single = [one for one in others if len(one.effects) == 1 and one.effects != chosen.effects]
+    beside = [one for one in others if len(one.effects) == 2
+              and set(one.effects) > set(chosen.effects) and clearly_better(one, chosen)]
     pairs = []
     for first, second in itertools.product(_best(single), _best(beside)):
-        added = tuple(set(second.effects) - {*chosen.effects, *first.effects})
-        if added and not _stick(first):
-            problem = search.joint(first.problem, added)
+        (instead,), (added,) = first.effects, second.but(chosen.effects[0])
+        if added != instead:
+            tell(f'trying {instead} and {added} in the place of {chosen.effects[0]}', 0.69)
+            problem = search.joint(search.problem(), (instead, added))
             fit = problem.fit(declared_as_given(
                 problem, carried(problem, second.fit, first.fit)), LAST_EVALUATIONS)
-            pairs.append(search.judged(search.rate((*first.effects, *added), problem, fit)))
+            pairs.append(search.judged(search.rate((instead, added), problem, fit)))
     everything += pairs
     clear = [one for one in pairs if not one.fault and clearly_better(one, chosen)
              and clears(one, chosen)]
@@ -86,12 +102,7 @@ def _two_in_its_place(search: Search, chosen: Candidate, everything: list[Candid
 
 def _best(models: list[Candidate]) -> list[Candidate]:
     """Return the best model of each set of effects, a few at the most."""
-    return list(best_of_each(models).values())[:RIVALS]
-
-
-def _stick(*models: Candidate) -> bool:
-    """Tell whether the stem of any of these models can stick."""
-    return any(one.fit.sticks for one in models)
+    return list(best_of_each(models).values())[:FEW]
 
 
 def _exchanged(search: Search, chosen: Candidate, everything: list[Candidate], tell: Progress,
@@ -138,7 +149,7 @@ def _backward(search: Search, chosen: Candidate, everything: list[Candidate], fe
         smaller = _without(search, chosen, rest, everything, fewer)
         contained = any(name in within(other) for other in smaller.effects)
         if (fault or contained) and smaller.fit.sticks and smaller.score > STUCK * chosen.score:
-            smaller = search.without(chosen, smaller.effects)
+            smaller = _left_with(search, chosen, smaller.effects)
         everything.append(smaller)
         if fault or not clearly_better(chosen, smaller):
             return _backward(search, smaller, everything, fewer)
