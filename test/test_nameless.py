@@ -5,6 +5,7 @@
 from dataclasses import replace
 
 from made_diagnosis import DECLARED, record_of, timed_columns, unknown_found
+from made_search import P, searching, seen
 import numpy as np
 import pytest
 
@@ -19,7 +20,7 @@ from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.searching.candidate import (
     Candidate, clearly_better, explains, why_dropped)
 from booster_ros.diagnosis.searching.nameless import (
-    as_good, beyond_names, compete, over_time, preferable, term_alone)
+    _best_on_both, as_good, beyond_names, compete, over_time, preferable, term_alone)
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
@@ -88,6 +89,21 @@ def test_one_over_time_stands_behind_one_over_a_state_that_does_as_well():
     near = scored((DRIFTING,), 2.05, 2.05, 2.05, 2.05)
     assert as_good([near, best], best) == [best, near]
     assert as_good([near, best], near) == [best, near]
+
+
+def test_one_over_time_stands_behind_also_where_all_segments_count(monkeypatch):
+    refit = searching(seen(P), ()).refit()
+    rows = refit.problem.rows_counted()
+    left = {(): 9.0, (DRIFTING,): 1.0, (UNNAMED + 'chamber over valve_position',): 1.02}
+
+    def on_both(_, one, factor):
+        return replace(refit, effects=one.effects, fit=replace(
+            refit.fit, cost=left[one.effects] * rows))
+
+    monkeypatch.setattr(Search, 'on_both', on_both)
+    drifting, moving = (scored(effects, 2.0) for effects in list(left)[1:])
+    found = _best_on_both(searching(seen(P), ()), scored((), 2.0), [drifting, moving])
+    assert [one.effects for one in found] == [moving.effects, drifting.effects]
 
 
 def test_several_effects_that_leave_little_do_not_give_way():

@@ -108,10 +108,11 @@ def _best_on_both(search: Search, refit: Candidate, candidates: list[Candidate]
     """
     Return the terms that explain fit and select segments together best, of nearly the same cost.
 
-    Where much is left, noise is no explanation, and what is missing may show in some segments only.
-    Each term has to explain as much as a named effect has to; one over time, which bends to all it
-    is fitted to, also has to come near the noise. Where none does and much is left, the one that
-    comes nearest is returned with its fault: it tells a place, and is not to be added.
+    Those over time come last, as in `as_good`. Where much is left, noise is no explanation, and
+    what is missing may show in some segments only. Each term has to explain as much as a named
+    effect has to; one over time, which bends to all it is fitted to, also has to come near the
+    noise. Where none does and much is left, the one that comes nearest is returned with its fault:
+    it tells a place, and is not to be added.
     """
     refit = search.on_both(refit, search.thinning)
     together = [search.on_both(candidate, search.thinning) for candidate in candidates]
@@ -120,7 +121,8 @@ def _best_on_both(search: Search, refit: Candidate, candidates: list[Candidate]
               and not (over_time(one) and one.fit.cost >= FAITHFUL * rows)]
     nearest = min(enough or together, key=lambda one: one.fit.cost)
     if enough:
-        return [one for one in enough if one.fit.cost < (1.0 + TOO_SIMILAR) * nearest.fit.cost]
+        near = [one for one in enough if one.fit.cost < (1.0 + TOO_SIMILAR) * nearest.fit.cost]
+        return sorted(near, key=over_time)
     much = refit.fit.cost > FAITHFUL * rows
     return [replace(nearest, fault=TOO_LITTLE)] if much else []
 
