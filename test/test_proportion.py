@@ -56,6 +56,7 @@ def test_a_range_goes_with_the_valve_unless_its_unit_does_not(knob):
     assert ours.high == pytest.approx(min(factor * knob.high, described.high))
     assert ours.low == pytest.approx(max(factor * knob.low, described.low))
     assert described.low <= ours.low <= ours.high <= described.high
+    assert ours.neutral == pytest.approx((factor if knob.shape else 1.0) * knob.neutral)
 
 
 def test_pressures_go_with_the_supply_and_lengths_with_the_travel():

@@ -197,7 +197,7 @@ def has_dry_friction(act: Actuator) -> bool:
 
 
 def friction_along_travel(act: Actuator, position: float) -> float:
-    """Return how much more dry friction there is here than at the closed, smooth stem, N."""
+    """Return how much dry friction is added here by a bent or galled stem, N."""
     bent = act.friction_gradient * position / act.travel
     if act.friction_peak == 0.0:
         return bent

@@ -56,5 +56,6 @@ def in_proportion(knob: Knob, p: PositionerParameters) -> Knob:
         return knob
     low, high = (min(max(factor * end, described.low), described.high)
                  for end in (knob.low, knob.high))
-    return replace(knob, typical=factor * knob.typical, low=low, high=high,
+    neutral = factor * knob.neutral if knob.shape else knob.neutral
+    return replace(knob, typical=factor * knob.typical, low=low, high=high, neutral=neutral,
                    tried=tuple(factor * value for value in knob.tried))
