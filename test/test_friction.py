@@ -60,6 +60,19 @@ def test_friction_is_found_from_far_off(values):
     assert found.presliding_stiffness <= 2e7 or 'actuator.presliding_stiffness' in values
 
 
+def test_what_linear_algebra_rounds_is_no_other_slip():
+    """Runs of the same diagnosis end in the same place, whatever else the machine does."""
+    problem = problem_of(RIGID)
+    z = problem.start() + 0.3
+    again = z * (1.0 + 1e-14)
+    rows, here = problem.rows_counted(), problem.residuals(z)
+    assert np.array_equal(problem.residuals(again)[:rows], here[:rows])
+    slopes = problem.jacobian(z, here)
+    after, before = (problem.jacobian(place, here, scale * slopes)[:rows]
+                     for place, scale in ((again, 1.0 + 1e-14), (z, 1.0)))
+    assert np.array_equal(after, before)
+
+
 def test_a_fit_from_there_ends_where_one_from_far_off_does_not_come():
     problem = problem_of(RIGID)
     stuck = problem.fit(far_off(problem), 10)

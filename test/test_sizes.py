@@ -236,6 +236,7 @@ def test_close_rivals_meet_again_on_every_row(costs, at_its_bound, winner):
 
     search = SimpleNamespace(
         to_the_end=to_the_end, names=(), thinning=1, on=lambda problem, *_: problem,
+        problem=lambda: chosen.problem, joint=lambda problem, _: problem,
         judged=lambda one: replace(one, fault='at its bound' * (at_its_bound in one.effects)))
     ranked = rematch(search, chosen, [chosen, rival, far, broken])
     assert asked == ['chamber_leak', 'exhaust_seat_leak']

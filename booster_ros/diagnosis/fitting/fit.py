@@ -63,6 +63,12 @@ remembers in 0.3 units of `past`."""
 
 START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
 
+GRID = 2.0**-27
+"""
+Distance between values of z with which the model is run. Linear algebra rounds differently from
+run to run, and where the stem sticks a difference in the last bit becomes another slip.
+"""
+
 FAR = 1e3
 """Scaled residual where the model cannot run: large, finite, flat, so that a fit turns away."""
 
@@ -110,17 +116,20 @@ class Problem:
         return 0 if 'chamber_pressure' in self.experiment.pinned else len(START)
 
     def parameters(self, z: Array) -> PositionerParameters:
-        """Return the parameters at z."""
+        """Return the parameters at z, to GRID."""
         p = self.base
-        for free, variable in zip(self.freedoms, z):
-            p = put(p, free.knob.parameter, free.value(variable), free.element)
+        for free, variable, nearest in zip(self.freedoms, z, _on_grid(z)):
+            low, high = min(variable, free.low), max(variable, free.high)  # no step out of bounds
+            value = free.value(min(max(nearest, low), high))
+            p = put(p, free.knob.parameter, value, free.element)
         return p
 
     def initial(self, z: Array, p: PositionerParameters) -> Initial:
         """Return the start at z; a stem that can stick stands where it was seen."""
         start = self.experiment.initial
         if self.nuisances:
-            pressure, back, ep_play, position_play, warmth, past = z[len(self.freedoms):]
+            pressure, back, ep_play, position_play, warmth, past = _on_grid(
+                z[len(self.freedoms):])
             back = start.departure.back_pressure + 500.0 * back
             start = replace(
                 start, departure=Departure(back, ep_play, position_play, 10.0 * warmth, 0.3 * past),
@@ -246,8 +255,8 @@ class Problem:
 
     def steps_for(self, z: Array, slopes: Array) -> Array:
         """Return how far to step for differences, in z, where slopes have these norms."""
-        return np.clip(self._visible(z) / np.maximum(slopes, 1e-9),
-                       SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE)
+        return _on_grid(np.clip(self._visible(z) / np.maximum(slopes, 1e-9),
+                                SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE))
 
     def _visible(self, z: Array) -> float:
         rough = has_dry_friction(self.parameters(z).actuator) and not self.fine
@@ -378,3 +387,8 @@ class Problem:
         low, high = self.bounds()
         margin = 1e-6 * np.minimum(high - low, 1.0)
         return np.clip(z, low + margin, high - margin)
+
+
+def _on_grid(z: Array) -> Array:
+    """Return the values of GRID that are nearest to these."""
+    return np.round(z / GRID) * GRID
