@@ -19,16 +19,18 @@ from booster_ros.diagnosis.fitting.friction_start import each_damping
 from booster_ros.diagnosis.fitting.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.fitting.intervals import (
     block_bootstrap, block_bootstrap_of_means, left_of, undetermined)
+from booster_ros.diagnosis.fitting.slip_by_slip import fit_slip_by_slip
 from booster_ros.diagnosis.fitting.valley import at_the_bottom
 from booster_ros.diagnosis.searching.candidate import (
     NEAR_NOISE, Candidate, best_of_each, clearly_better, explains)
-from booster_ros.diagnosis.searching.cascade import as_seen_above
+from booster_ros.diagnosis.searching.cascade import as_seen_above, declared_as_seen_above
 from booster_ros.diagnosis.searching.knots import with_gentle_ends
 from booster_ros.diagnosis.searching.nameless import over_time, preferable, term_alone
 from booster_ros.diagnosis.searching.search import (
     EVALUATIONS, LAST_EVALUATIONS, Search, as_given, begun_as_given, declared_as_given, settled)
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.unknown import UNNAMED
+from booster_ros.model.actuator import is_rigid
 
 Array = np.ndarray
 
@@ -117,7 +119,8 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
 
     The search may have ended where the declared parameters imitate what was missing. Where all that
     is left could be noise, one other fit begins with the effects alone and the declared parameters
-    as given. Else fits through slips begin with what is seen above the stem, then with the effects
+    as given. Else, a fit that follows the stem from slip to slip is sought. Where there is none,
+    fits through slips begin with what is seen above the stem, then with the effects
     alone. Friction is tried around the best of these fits, and both kinds of fits begin once more
     from the best trial; around one that is better, friction is tried again. There, the cost through
     slips decides: when single slips come is chance.
@@ -128,6 +131,9 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     if problem.mean_square(fit) < NEAR_NOISE:
         fit = min(fit, begun_as_given(problem, fit.z), key=lambda found: found.cost)
         return LastFit(problem, problem.without_unseen(fit))
+    followed = _slip_by_slip(search, problem, candidate, fit)
+    if followed is not None:
+        return LastFit(problem, problem.without_unseen(followed))
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
     fit, trials = _tried_around(problem, fit)
@@ -136,6 +142,13 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     if further is not fit:
         fit, trials = _tried_around(problem, further)
     return LastFit(problem, problem.without_unseen(fit), trials=trials)
+
+
+def _slip_by_slip(search: Search, problem: Problem, candidate: Candidate, fit: Fit) -> Fit | None:
+    """Return the fit that follows all slips of a packing that does not yield, if one does."""
+    if not is_rigid(fit.parameters.actuator):
+        return None
+    return fit_slip_by_slip(problem, declared_as_seen_above(search, candidate, fit.z, USED))
 
 
 def _tried_around(problem: Problem, fit: Fit) -> tuple[Fit, Trials]:

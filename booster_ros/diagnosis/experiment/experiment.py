@@ -202,6 +202,15 @@ class Experiment:
             tolerance=THINNED_TOLERANCE)
         return thin, kept
 
+    def until(self, time: float) -> 'Experiment':
+        """Return this experiment's rows up to this time, s, two at the least."""
+        rows = slice(max(int(np.searchsorted(self.time, time, side='right')), 2))
+        return replace(
+            self, time=self.time[rows], current=self.current[rows],
+            ends=None if self.ends is None else self.ends[rows],
+            measured={name: values[rows] for name, values in self.measured.items()},
+            pinned={name: values[rows] for name, values in self.pinned.items()})
+
     def _one_of_every(self, factor: int) -> Array:
         """Return a row of every `factor`: where channels have no value, one in which most do."""
         regular = np.arange(0, len(self.time), factor)

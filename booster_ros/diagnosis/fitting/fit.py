@@ -115,6 +115,11 @@ class Problem:
         """Number of variables for the start, behind those of the parameters."""
         return 0 if 'chamber_pressure' in self.experiment.pinned else len(START)
 
+    def until(self, time: float) -> 'Problem':
+        """Return this problem on the rows up to this time, s."""
+        part = self.experiment.until(time)
+        return replace(self, experiment=part, rows=self.rows[:len(part.time)])
+
     def parameters(self, z: Array) -> PositionerParameters:
         """Return the parameters at z, to GRID."""
         p = self.base

@@ -53,24 +53,9 @@ def best_friction(problem: Problem, z: Array) -> Array:
     """
     if not any(free.knob.rubs for free in problem.freedoms):
         return z
-    low, high = problem.bounds()
-    packing = _shapes_of_packings()
 
     def placed(trial: _Trial) -> Array:
-        sliding, share, yields = trial
-        moved = z.copy()
-        moved[len(problem.freedoms):] = 0.0
-        for j, free in enumerate(problem.freedoms):
-            name = free.knob.parameter
-            if free.knob.rubs:
-                moved[j] = free.variable(sliding)
-            elif name == _STICTION:
-                moved[j] = free.variable(share * sliding)
-            elif name == 'actuator.presliding_stiffness':
-                moved[j] = free.variable(free.knob.typical if yields else 0.0)
-            elif name in packing:
-                moved[j] = free.variable(free.knob.typical)
-        return np.clip(moved, low, high)
+        return with_friction(problem, z, *trial)
 
     def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
         several = list(trials)
@@ -85,6 +70,28 @@ def best_friction(problem: Problem, z: Array) -> Array:
                          for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))[0]
                    for _, (sliding, share, yields) in hollows]
     return min(z, placed(min(hollows)[1]), key=problem.cost_through_slips)
+
+
+def with_friction(problem: Problem, z: Array, sliding: float, share: float, yields: bool) -> Array:
+    """
+    Return z with this sliding friction (N) and stiction (a share of it), the start as given.
+
+    The shapes of the packing, which yields or does not, become typical.
+    """
+    packing = _shapes_of_packings()
+    moved = z.copy()
+    moved[len(problem.freedoms):] = 0.0
+    for j, free in enumerate(problem.freedoms):
+        name = free.knob.parameter
+        if free.knob.rubs:
+            moved[j] = free.variable(sliding)
+        elif name == _STICTION:
+            moved[j] = free.variable(share * sliding)
+        elif name == 'actuator.presliding_stiffness':
+            moved[j] = free.variable(free.knob.typical if yields else 0.0)
+        elif name in packing:
+            moved[j] = free.variable(free.knob.typical)
+    return np.clip(moved, *problem.bounds())
 
 
 def _shapes_of_packings() -> set[str]:

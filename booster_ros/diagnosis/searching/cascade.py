@@ -110,6 +110,14 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     Of the stem's own parameters, viscous friction had imitated dry friction: it is set back to the
     declared value, and dry friction is sought anew.
     """
+    place = declared_as_seen_above(search, candidate, z, roles)
+    thin = search.on(candidate.problem, roles, search.thinning)
+    return z if place is z else best_friction(thin, place)
+
+
+def declared_as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[str, ...]
+                           ) -> Array:
+    """Return z as `as_seen_above` does, with the dry friction at z; z itself where none is seen."""
     upper = fitted_above(search, candidate, roles)
     if upper is None:
         return z
@@ -117,8 +125,7 @@ def as_seen_above(search: Search, candidate: Candidate, z: Array, roles: tuple[s
     for j, free in enumerate(candidate.problem.freedoms):
         if free.knob.parameter == _IMITATES:
             place[j] = 0.0
-    thin = search.on(candidate.problem, roles, search.thinning)
-    return best_friction(thin, place)
+    return place
 
 
 def seen_from_above(search: Search, candidate: Candidate) -> Candidate:

@@ -1,0 +1,116 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a record shows of friction by itself, and fits that follow a stem from slip to slip."""
+
+from dataclasses import replace
+
+from made_search import P, RAMPS, RAMPS_TIME, searching, seen, standing_at
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.experiment.segments import USED
+from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.sawtooth import first_going, read_saw
+from booster_ros.diagnosis.fitting.slip_by_slip import IN_STEP, fit_slip_by_slip
+from booster_ros.diagnosis.last_fit import last_fit
+
+ROWS = slice(2000)
+
+
+def rubbing(sliding, stiction, rows=ROWS, **others):
+    """Return the search for friction in a record of a valve with this friction."""
+    plant = P._replace(actuator=P.actuator._replace(
+        coulomb_friction=sliding, stiction=stiction, **others))
+    return searching(seen(plant, current=RAMPS[rows], time=RAMPS_TIME[rows]), ('stem_friction',))
+
+
+def problem_of(search):
+    """Return the fit of friction to all rows but the locked ones."""
+    return search.on(search.joint(search.problem(), ('stem_friction',)), USED, 1)
+
+
+@pytest.mark.parametrize(('sliding', 'stiction'), [(300.0, 100.0), (200.0, 60.0), (500.0, 200.0)])
+def test_a_stem_that_slips_shows_where_it_breaks_away(sliding, stiction):
+    problem = problem_of(rubbing(sliding, stiction, slice(None)))
+    saw = read_saw(problem, problem.start())
+    assert saw.high == pytest.approx(sliding + stiction, rel=0.03)
+    assert 0.8 * sliding < saw.low < 1.03 * sliding
+
+
+def test_a_stem_that_slides_shows_its_friction():
+    problem = problem_of(rubbing(150.0, 0.0, slice(None)))
+    saw = read_saw(problem, problem.start())
+    assert saw.low == pytest.approx(150.0, rel=0.06)
+    assert saw.high == pytest.approx(150.0, rel=0.06)
+
+
+def test_a_shifted_spring_is_not_held_for_friction():
+    """It is pushed one way as much more as it is pushed less the other way."""
+    problem = problem_of(rubbing(300.0, 100.0, slice(None), bench_set_shift=2e3))
+    assert read_saw(problem, problem.start()).high == pytest.approx(400.0, rel=0.04)
+
+
+@pytest.mark.parametrize('without', ['chamber_pressure', 'valve_position', 'motion'])
+def test_nothing_is_read_where_pressure_or_motion_is_not_seen(without):
+    problem = problem_of(rubbing(300.0, 100.0))
+    experiment = problem.experiment
+    measured = dict(experiment.measured)
+    if without == 'motion':
+        measured['valve_position'] = np.full(len(experiment.time), 5e-3)
+    else:
+        del measured[without]
+    blind = replace(problem, experiment=replace(experiment, measured=measured))
+    assert read_saw(blind, blind.start()) is None
+    assert first_going(blind, blind.start()) is None
+    assert fit_slip_by_slip(blind, blind.start()) is None
+
+
+def test_a_gap_in_a_channel_is_no_motion():
+    problem = problem_of(rubbing(300.0, 100.0))
+    before = read_saw(problem, problem.start())
+    for values in problem.experiment.measured.values():
+        values[300:400] = np.nan
+    assert read_saw(problem, problem.start()).high == pytest.approx(before.high, rel=0.03)
+
+
+def test_the_part_of_a_problem_up_to_a_time_is_its_first_rows():
+    problem = problem_of(rubbing(300.0, 100.0))
+    part = problem.until(10.0)
+    assert part.experiment.time[-1] == pytest.approx(10.0)
+    assert len(part.rows) == len(part.experiment.time) == len(part.experiment.current)
+    z = problem.start()
+    rows = part.counted['valve_position']
+    whole, first = (one.predict(z)['valve_position'][:len(rows)] for one in (problem, part))
+    assert np.array_equal(first[rows], whole[rows])
+    assert len(problem.until(-1.0).experiment.time) == 2
+
+
+def test_friction_is_found_slip_by_slip_where_a_fit_of_the_whole_gets_stuck():
+    """From declared parameters that are a little off."""
+    search = rubbing(300.0, 100.0)
+    problem = problem_of(search)
+    z = standing_at(search, ('stem_friction',), {'ep_converter.offset': 100.0}).fit.z
+    fit = fit_slip_by_slip(problem, z)
+    found = fit.parameters.actuator
+    assert found.coulomb_friction == pytest.approx(300.0, rel=0.01)
+    assert found.stiction == pytest.approx(100.0, rel=0.05)
+    assert problem.mean_square(fit) < 1.05
+    stuck = problem.fit_through_slips(z, 10)
+    assert problem.mean_square(stuck) > 2.0 * IN_STEP
+
+
+def test_where_no_friction_is_free_no_slip_is_followed(monkeypatch):
+    problem = problem_of(rubbing(300.0, 100.0))
+    bare = replace(problem, freedoms=problem.freedoms[:2])
+    monkeypatch.setattr(Problem, 'cost', None)
+    assert fit_slip_by_slip(bare, bare.start()) is None
+
+
+def test_the_last_fit_follows_slips_that_the_search_had_missed():
+    search = rubbing(300.0, 100.0)
+    candidate = standing_at(search, ('stem_friction',), {
+        'actuator.coulomb_friction': 340.0, 'actuator.stiction': 20.0,
+        'actuator.presliding_stiffness': 0.0, 'actuator.viscous_friction': 4000.0})
+    last = last_fit(search, candidate)
+    assert last.fit.parameters.actuator.coulomb_friction == pytest.approx(300.0, rel=0.01)
+    assert last.problem.mean_square(last.fit) < 1.05
