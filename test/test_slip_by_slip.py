@@ -114,3 +114,4 @@ def test_the_last_fit_follows_slips_that_the_search_had_missed():
     last = last_fit(search, candidate)
     assert last.fit.parameters.actuator.coulomb_friction == pytest.approx(300.0, rel=0.01)
     assert last.problem.mean_square(last.fit) < 1.05
+    assert last.trials.cost[0] == last.trials.cost.min()

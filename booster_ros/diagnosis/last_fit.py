@@ -119,11 +119,12 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
 
     The search may have ended where the declared parameters imitate what was missing. Where all that
     is left could be noise, one other fit begins with the effects alone and the declared parameters
-    as given. Else, a fit that follows the stem from slip to slip is sought. Where there is none,
-    fits through slips begin with what is seen above the stem, then with the effects
-    alone. Friction is tried around the best of these fits, and both kinds of fits begin once more
-    from the best trial; around one that is better, friction is tried again. There, the cost through
-    slips decides: when single slips come is chance.
+    as given. Else, a fit that follows the stem from slip to slip is sought, and friction is tried
+    around it, as slopes would tell friction far closer than it is. Where there is none, fits
+    through slips begin with what is seen above the stem, then with the effects alone. Friction is
+    tried around the best of these fits, and both kinds of fits begin once more from the best trial;
+    around one that is better, friction is tried again. There, the cost through slips decides: when
+    single slips come is chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     if not candidate.effects or _unnamed(candidate):
@@ -133,7 +134,8 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
         return LastFit(problem, problem.without_unseen(fit))
     followed = _slip_by_slip(search, problem, candidate, fit)
     if followed is not None:
-        return LastFit(problem, problem.without_unseen(followed))
+        fit, trials = _tried_around(problem, followed)
+        return LastFit(problem, problem.without_unseen(fit), trials=trials)
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
     fit, trials = _tried_around(problem, fit)
