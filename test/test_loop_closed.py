@@ -56,7 +56,9 @@ def test_a_node_started_from_the_result_does_what_the_valve_does(tmp_path):
     model = recorded(tmp_path / 'model.csv', new,
                      '--params-file', str(tmp_path / 'out' / 'positioner.yaml'))
     for name, noise in NOISE.items():
-        distance = float(np.sqrt(np.mean((model[name] - truth[name]) ** 2)))
+        apart = model[name] - truth[name]  # a busy machine may lose a message
+        assert np.count_nonzero(np.isnan(apart)) < 0.01 * len(apart)
+        distance = float(np.sqrt(np.nanmean(apart ** 2)))
         # what a noisy sensor on the valve would show beside the model
         assert np.hypot(distance, noise) <= 1.3 * noise
         assert report['held_out'][name]['before'] > 3.0 * noise

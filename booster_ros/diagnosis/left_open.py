@@ -205,7 +205,9 @@ def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, t
     model with that one alone off does not suit the record.
     """
     low, high = problem.bounds()
-    middle, spread = models.mean(axis=0), models.std(axis=0)
+    middle = models.mean(axis=0)
+    # of values that are all the same, the standard deviation need not be 0
+    spread = np.where(np.ptp(models, axis=0) > 0.0, models.std(axis=0), 0.0)
     noticed = np.linalg.norm(fit.jacobian, axis=0) * spread
     for j, free in enumerate(problem.freedoms):
         if spread[j] == 0.0 or noticed[j]**2 > AS_WELL:
