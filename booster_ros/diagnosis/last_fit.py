@@ -16,7 +16,8 @@ from booster_ros.diagnosis.experiment.segments import USED, segment_of_row
 from booster_ros.diagnosis.fitting.descent import SETTLED
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.friction_start import each_damping
-from booster_ros.diagnosis.fitting.friction_trials import Trials, friction_trials
+from booster_ros.diagnosis.fitting.friction_trials import (
+    IN_STEP, WIDE, Trials, friction_trials)
 from booster_ros.diagnosis.fitting.intervals import (
     block_bootstrap, block_bootstrap_of_means, left_of, undetermined)
 from booster_ros.diagnosis.fitting.slip_by_slip import fit_slip_by_slip
@@ -134,7 +135,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
         return LastFit(problem, problem.without_unseen(fit))
     followed = _slip_by_slip(search, problem, candidate, fit)
     if followed is not None:
-        fit, trials = _tried_around(problem, followed)
+        fit, trials = _tried_around(problem, followed, IN_STEP)
         return LastFit(problem, problem.without_unseen(fit), trials=trials)
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
@@ -153,9 +154,9 @@ def _slip_by_slip(search: Search, problem: Problem, candidate: Candidate, fit: F
     return fit_slip_by_slip(problem, declared_as_seen_above(search, candidate, fit.z, USED))
 
 
-def _tried_around(problem: Problem, fit: Fit) -> tuple[Fit, Trials]:
+def _tried_around(problem: Problem, fit: Fit, share: float = WIDE) -> tuple[Fit, Trials]:
     """Return the best of the trials of friction around a fit, which may be the fit, and them."""
-    trials = friction_trials(problem, fit.z)
+    trials = friction_trials(problem, fit.z, share)
     return (problem.at(trials.best) if np.argmin(trials.cost) else fit), trials
 
 

@@ -32,6 +32,9 @@ WIDE, SMALL = 0.25, 0.3
 """Standard deviation of the first trials, as a share of each variable, and the size below which a
 variable counts as small: small ones are drawn as if they had this size."""
 
+IN_STEP = 0.02
+"""The same share around a fit that follows every slip: a hundredth further, all are out of step."""
+
 CLOSER = 0.6
 """Factor on the standard deviation from each round to the next; the last round is within some
 percent."""
@@ -83,9 +86,9 @@ class Trials:
         return again
 
 
-def friction_trials(problem: Problem, z: Array) -> Trials:
+def friction_trials(problem: Problem, z: Array, share: float = WIDE) -> Trials:
     """
-    Return trials around z.
+    Return trials around z, the first ones within about this share of it.
 
     An inverse parameter that is none at z, such as a stiffness, stays none, as only a large step
     from there would be seen. What means nothing at z, such as the damping of a packing that does
@@ -96,7 +99,7 @@ def friction_trials(problem: Problem, z: Array) -> Trials:
         and not (free.knob.inverse and free.value(z[j]) == free.knob.neutral)]
     varied = tuple(sorted(set(sizes_and_shapes) - problem.idle(sizes_and_shapes, z)))
     rng = np.random.default_rng(1)
-    width = WIDE * np.maximum(np.abs(z[list(varied)]), SMALL)
+    width = share * np.maximum(np.abs(z[list(varied)]), SMALL)
     low, high = problem.bounds()
     tried, cost = z[np.newaxis], np.array([problem.cost_through_slips(z)])
     for _ in range(ROUNDS):
