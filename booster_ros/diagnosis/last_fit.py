@@ -17,7 +17,7 @@ from booster_ros.diagnosis.fitting.descent import SETTLED
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.friction_start import each_damping
 from booster_ros.diagnosis.fitting.friction_trials import (
-    IN_STEP, WIDE, Trials, friction_trials)
+    NARROW, WIDE, Trials, friction_trials)
 from booster_ros.diagnosis.fitting.intervals import (
     block_bootstrap, block_bootstrap_of_means, left_of, undetermined)
 from booster_ros.diagnosis.fitting.slip_by_slip import fit_slip_by_slip
@@ -135,7 +135,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
         return LastFit(problem, problem.without_unseen(fit))
     followed = _slip_by_slip(search, problem, candidate, fit)
     if followed is not None:
-        fit, trials = _tried_around(problem, followed, IN_STEP)
+        fit, trials = _tried_around(problem, followed, NARROW)
         return LastFit(problem, problem.without_unseen(fit), trials=trials)
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))

@@ -32,7 +32,7 @@ WIDE, SMALL = 0.25, 0.3
 """Standard deviation of the first trials, as a share of each variable, and the size below which a
 variable counts as small: small ones are drawn as if they had this size."""
 
-IN_STEP = 0.02
+NARROW = 0.02
 """The same share around a fit that follows every slip: a hundredth further, all are out of step."""
 
 CLOSER = 0.6

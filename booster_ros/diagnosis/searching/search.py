@@ -163,8 +163,8 @@ class Search:
         """
         problem = candidate.problem
         fit = polished(problem, candidate.fit, WORTH_A_LAST_POLISHING)
-        return replace(self.refitted(candidate, fit), fault=next(
-            (self.fault(problem, fit, name) for name in candidate.effects[-1:]), ''))
+        faults = self._faults(problem, fit, candidate.effects[-1:])
+        return replace(self.refitted(candidate, fit), fault=''.join(faults.values()))
 
     def on_both(self, candidate: Candidate, factor: int) -> Candidate:
         """Return the model fitted to the fit and select segments, every `factor`-th row."""
