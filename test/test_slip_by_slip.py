@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a record shows of friction by itself, and fits that follow a stem from slip to slip."""
+"""What a record shows of friction by itself, and fits that keep step with a stem that slips."""
 
 from dataclasses import replace
 
@@ -10,8 +10,9 @@ import pytest
 
 from booster_ros.diagnosis.experiment.segments import USED
 from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.sawtooth import first_going, read_saw
-from booster_ros.diagnosis.fitting.slip_by_slip import IN_STEP, fit_slip_by_slip
+from booster_ros.diagnosis.fitting.in_step import OUT_OF_STEP, Steps, cost_in_step, steps
+from booster_ros.diagnosis.fitting.sawtooth import read_saw, rows_going
+from booster_ros.diagnosis.fitting.slip_by_slip import fit_slip_by_slip
 from booster_ros.diagnosis.last_fit import last_fit
 
 ROWS = slice(2000)
@@ -61,7 +62,7 @@ def test_nothing_is_read_where_pressure_or_motion_is_not_seen(without):
         del measured[without]
     blind = replace(problem, experiment=replace(experiment, measured=measured))
     assert read_saw(blind, blind.start()) is None
-    assert first_going(blind, blind.start()) is None
+    assert not rows_going(blind, blind.start()).any()
     assert fit_slip_by_slip(blind, blind.start()) is None
 
 
@@ -71,6 +72,54 @@ def test_a_gap_in_a_channel_is_no_motion():
     for values in problem.experiment.measured.values():
         values[300:400] = np.nan
     assert read_saw(problem, problem.start()).high == pytest.approx(before.high, rel=0.03)
+
+
+def test_friction_is_found_where_a_fit_of_the_whole_gets_stuck():
+    """From declared parameters that are a little off."""
+    search = rubbing(300.0, 100.0)
+    problem = problem_of(search)
+    z = standing_at(search, ('stem_friction',), {'ep_converter.offset': 100.0}).fit.z
+    fit = fit_slip_by_slip(problem, z)
+    found = fit.parameters.actuator
+    assert found.coulomb_friction == pytest.approx(300.0, rel=0.01)
+    assert found.stiction == pytest.approx(100.0, rel=0.05)
+    assert problem.mean_square(fit) < 1.05
+    stuck = problem.fit_through_slips(z, 10)
+    assert problem.mean_square(stuck) > 2.3
+
+
+def test_a_window_out_of_step_counts_no_more_than_a_fixed_cost():
+    search = rubbing(300.0, 100.0)
+    problem = problem_of(search)
+    z = standing_at(search, ('stem_friction',), {
+        'actuator.coulomb_friction': 340.0, 'actuator.stiction': 20.0,
+        'actuator.presliding_stiffness': 0.0}).fit.z
+    found = steps(problem, z)
+    assert 0.7 < found.missed(rows_going(problem, z)) <= 1.0
+    assert 0.4 < np.mean(~found.kept) < 0.8  # it rests in step
+    most = OUT_OF_STEP * problem.rows_counted()
+    assert cost_in_step(problem, z) < min(most, 0.8 * problem.cost(z))
+
+
+def test_what_is_in_step_counts_in_full():
+    search = rubbing(300.0, 100.0)
+    problem = problem_of(search)
+    z = standing_at(search, ('stem_friction',), {
+        'actuator.coulomb_friction': 300.0, 'actuator.stiction': 100.0,
+        'actuator.presliding_stiffness': 0.0}).fit.z
+    going = rows_going(problem, z)
+    found = steps(problem, z)
+    assert found.missed(going) == 0.0
+    assert found.kept.all()
+    assert cost_in_step(problem, z) == pytest.approx(problem.cost(z), rel=1e-12)
+
+
+def test_windows_are_counted_kept_and_missed():
+    window = np.repeat(np.arange(4), 10)
+    found = Steps(window, np.full(4, 20), np.array([1.0, 3.5, 9.0, 5.0]))
+    assert found.cost == pytest.approx(20.0 * (1.0 + 3.5 + 2.0 * OUT_OF_STEP))
+    assert list(found.kept[::10]) == [True, True, False, False]
+    assert found.missed(window > 0) == pytest.approx(2.0 / 3.0)
 
 
 def test_the_part_of_a_problem_up_to_a_time_is_its_first_rows():
@@ -85,24 +134,10 @@ def test_the_part_of_a_problem_up_to_a_time_is_its_first_rows():
     assert len(problem.until(-1.0).experiment.time) == 2
 
 
-def test_friction_is_found_slip_by_slip_where_a_fit_of_the_whole_gets_stuck():
-    """From declared parameters that are a little off."""
-    search = rubbing(300.0, 100.0)
-    problem = problem_of(search)
-    z = standing_at(search, ('stem_friction',), {'ep_converter.offset': 100.0}).fit.z
-    fit = fit_slip_by_slip(problem, z)
-    found = fit.parameters.actuator
-    assert found.coulomb_friction == pytest.approx(300.0, rel=0.01)
-    assert found.stiction == pytest.approx(100.0, rel=0.05)
-    assert problem.mean_square(fit) < 1.05
-    stuck = problem.fit_through_slips(z, 10)
-    assert problem.mean_square(stuck) > 2.0 * IN_STEP
-
-
 def test_where_no_friction_is_free_no_slip_is_followed(monkeypatch):
     problem = problem_of(rubbing(300.0, 100.0))
     bare = replace(problem, freedoms=problem.freedoms[:2])
-    monkeypatch.setattr(Problem, 'cost', None)
+    monkeypatch.setattr(Problem, 'residuals', None)
     assert fit_slip_by_slip(bare, bare.start()) is None
 
 
@@ -114,4 +149,5 @@ def test_the_last_fit_follows_slips_that_the_search_had_missed():
     last = last_fit(search, candidate)
     assert last.fit.parameters.actuator.coulomb_friction == pytest.approx(300.0, rel=0.01)
     assert last.problem.mean_square(last.fit) < 1.05
-    assert last.trials.cost[0] == last.trials.cost.min()
+    cost = cost_in_step(last.problem, last.fit.z)
+    assert cost == pytest.approx(last.trials.cost.min(), rel=1e-3)

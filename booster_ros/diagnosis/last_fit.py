@@ -8,6 +8,7 @@ without a name has to explain what matters of all rows fitted, and these rows ha
 effect from none.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.friction_start import each_damping
 from booster_ros.diagnosis.fitting.friction_trials import (
     NARROW, WIDE, Trials, friction_trials)
+from booster_ros.diagnosis.fitting.in_step import cost_in_step
 from booster_ros.diagnosis.fitting.intervals import (
     block_bootstrap, block_bootstrap_of_means, left_of, undetermined)
 from booster_ros.diagnosis.fitting.slip_by_slip import fit_slip_by_slip
@@ -121,11 +123,11 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     The search may have ended where the declared parameters imitate what was missing. Where all that
     is left could be noise, one other fit begins with the effects alone and the declared parameters
     as given. Else, a fit that follows the stem from slip to slip is sought, and friction is tried
-    around it, as slopes would tell friction far closer than it is. Where there is none, fits
-    through slips begin with what is seen above the stem, then with the effects alone. Friction is
-    tried around the best of these fits, and both kinds of fits begin once more from the best trial;
-    around one that is better, friction is tried again. There, the cost through slips decides: when
-    single slips come is chance.
+    around it, by the cost in step: slopes would tell friction far closer than it is. Where there is
+    none, fits through slips begin with what is seen above the stem, then with the effects alone.
+    Friction is tried around the best of these fits, and both kinds of fits begin once more from the
+    best trial; around one that is better, friction is tried again. There, the cost through slips
+    decides: when single slips come is chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     if not candidate.effects or _unnamed(candidate):
@@ -135,7 +137,7 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
         return LastFit(problem, problem.without_unseen(fit))
     followed = _slip_by_slip(search, problem, candidate, fit)
     if followed is not None:
-        fit, trials = _tried_around(problem, followed, NARROW)
+        fit, trials = _tried_around(problem, followed, NARROW, cost_in_step)
         return LastFit(problem, problem.without_unseen(fit), trials=trials)
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
@@ -148,15 +150,24 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
 
 
 def _slip_by_slip(search: Search, problem: Problem, candidate: Candidate, fit: Fit) -> Fit | None:
-    """Return the fit that follows all slips of a packing that does not yield, if one does."""
+    """
+    Return the fit that follows the slips of a packing that does not yield, if one does.
+
+    It has to keep step better than this one.
+    """
     if not is_rigid(fit.parameters.actuator):
         return None
-    return fit_slip_by_slip(problem, declared_as_seen_above(search, candidate, fit.z, USED))
+    followed = fit_slip_by_slip(problem, declared_as_seen_above(search, candidate, fit.z, USED))
+    if followed is None or cost_in_step(problem, followed.z) >= cost_in_step(problem, fit.z):
+        return None
+    return followed
 
 
-def _tried_around(problem: Problem, fit: Fit, share: float = WIDE) -> tuple[Fit, Trials]:
+def _tried_around(problem: Problem, fit: Fit, share: float = WIDE,
+                  cost: Callable[[Problem, Array], float] = Problem.cost_through_slips
+                  ) -> tuple[Fit, Trials]:
     """Return the best of the trials of friction around a fit, which may be the fit, and them."""
-    trials = friction_trials(problem, fit.z, share)
+    trials = friction_trials(problem, fit.z, share, cost)
     return (problem.at(trials.best) if np.argmin(trials.cost) else fit), trials
 
 

@@ -17,6 +17,7 @@ slopes leave out the truth by many of their widths. So sizes are drawn and run:
 The declared parameters stay as they are.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,7 +34,7 @@ WIDE, SMALL = 0.25, 0.3
 variable counts as small: small ones are drawn as if they had this size."""
 
 NARROW = 0.02
-"""The same share around a fit that follows every slip: a hundredth further, all are out of step."""
+"""The same share around a fit that keeps step: a hundredth further, all slips are out of step."""
 
 CLOSER = 0.6
 """Factor on the standard deviation from each round to the next; the last round is within some
@@ -46,7 +47,7 @@ BY_CHANCE = 0.9
 @dataclass(frozen=True, eq=False)
 class Trials:
     """
-    What was tried: z, shape (trials, variables), and its cost through slips, (trials,).
+    What was tried: z, shape (trials, variables), and its cost, through slips or in step, (trials,).
 
     The first trial is what the others began with; `varied` are the variables that were drawn.
     """
@@ -86,9 +87,11 @@ class Trials:
         return again
 
 
-def friction_trials(problem: Problem, z: Array, share: float = WIDE) -> Trials:
+def friction_trials(problem: Problem, z: Array, share: float = WIDE,
+                    cost_of: Callable[[Problem, Array], float] = Problem.cost_through_slips
+                    ) -> Trials:
     """
-    Return trials around z, the first ones within about this share of it.
+    Return trials around z by this cost, the first ones within about this share of it.
 
     An inverse parameter that is none at z, such as a stiffness, stays none, as only a large step
     from there would be seen. What means nothing at z, such as the damping of a packing that does
@@ -101,12 +104,12 @@ def friction_trials(problem: Problem, z: Array, share: float = WIDE) -> Trials:
     rng = np.random.default_rng(1)
     width = share * np.maximum(np.abs(z[list(varied)]), SMALL)
     low, high = problem.bounds()
-    tried, cost = z[np.newaxis], np.array([problem.cost_through_slips(z)])
+    tried, cost = z[np.newaxis], np.array([cost_of(problem, z)])
     for _ in range(ROUNDS):
         places = np.tile(tried[int(np.argmin(cost))], (TRIALS, 1))
         places[:, varied] += width * rng.standard_normal((TRIALS, len(varied)))
         places = np.clip(places, low, high)
         tried = np.concatenate([tried, places])
-        cost = np.concatenate([cost, side_by_side(problem.cost_through_slips, places)])
+        cost = np.concatenate([cost, side_by_side(lambda place: cost_of(problem, place), places)])
         width = CLOSER * width
     return Trials(tried, cost, varied)

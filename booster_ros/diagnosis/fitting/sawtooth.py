@@ -62,10 +62,9 @@ def read_saw(problem: Problem, z: Array) -> Saw | None:
     return Saw(*np.mean(ends, axis=0)) if ends else None
 
 
-def first_going(problem: Problem, z: Array) -> float | None:
-    """Return the time, s, at which a row that counts first shows the stem go, None if none does."""
-    rows = _going(problem, z, 1.0)[0] | _going(problem, z, -1.0)[0]
-    return float(problem.experiment.time[rows][0]) if rows.any() else None
+def rows_going(problem: Problem, z: Array) -> Array:
+    """Return the rows that count around which the stem goes, either way, as a mask."""
+    return _going(problem, z, 1.0)[0] | _going(problem, z, -1.0)[0]
 
 
 def _going(problem: Problem, z: Array, way: float) -> tuple[Array, Array]:

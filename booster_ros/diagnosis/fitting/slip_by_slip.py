@@ -3,32 +3,37 @@
 """
 A fit that follows a stem from slip to slip.
 
-A model whose friction is a hundredth off slips now and then where the valve does not, and from then
-on is out of step: over a whole record, the cost is as high as with any other friction, but in a
-hollow around the right one that no descent finds from outside. Over the first few slips that hollow
-is wide. So the record is met from its beginning (with a growing end, as for other oscillators:
-H. U. Voss, J. Timmer, J. Kurths, Int. J. Bifurcation and Chaos 14 (2004) 1905):
+Over a whole record, the cost of a model whose friction is a hundredth off is as high as with any
+other friction, but in a hollow around the right one that no descent finds from outside. Over the
+first few slips that hollow is wide. So the record is met from its beginning (with a growing end, as
+for other oscillators: H. U. Voss, J. Timmer, J. Kurths, Int. J. Bifurcation and Chaos 14 (2004)
+1905):
 
 1. sliding friction and stiction are tried on a grid around what the record itself shows (see
    sawtooth), over a few seconds from where the stem first goes;
 2. all is fitted to these seconds from the best of them;
-3. the end goes on by a quarter, and the fits that follow best are fitted again, as long as one of
-   them is in step;
-4. where none is any more, the first fits told too little, and a later first end is tried.
+3. the end goes on by a quarter, and the fits that keep step best (see in_step) are fitted again to
+   the windows in which they are in step, and once more where these have become more;
+4. where too many windows are missed at the end, the first seconds told too little, and a later
+   first end is tried.
 
-Every fit forms its slopes over short steps: in step, the cost is smooth. Only packings that do not
-yield are followed: one that yields comes to rest softly, and the other fits meet it.
+Where the model misses a slip, it may be in step again after the stem has come to rest or turned: no
+window that is missed ends the search. Every fit forms its slopes over short steps: in step, the
+cost is smooth. Only packings that do not yield are followed: one that yields comes to rest softly,
+and the other fits meet it.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 import itertools
 
 import numpy as np
 
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.friction_start import with_friction
-from booster_ros.diagnosis.fitting.sawtooth import Saw, first_going, read_saw
+from booster_ros.diagnosis.fitting.in_step import cost_in_step, steps
+from booster_ros.diagnosis.fitting.sawtooth import Saw, read_saw, rows_going
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 
 Array = np.ndarray
@@ -44,45 +49,61 @@ HIGH, LOW = np.arange(0.96, 1.035, 0.01), np.arange(0.95, 1.165, 0.01)
 slips goes on below its sliding friction, by a tenth or so."""
 
 STARTS = 12
-FOLLOWING = (6, 6, 6, 3, 3, 3, 3, 1)
+FOLLOWING = (6, 6, 6, 3, 2)
 """Number of fits at the first end, and numbers that are fitted again at the next ones; the last
 number is that of all further ends."""
 
-EVALUATIONS = 10
+EVALUATIONS, EVALUATIONS_IN_STEP = 10, 6
 
-OUT_OF_STEP, IN_STEP = 2.5, 1.15
-"""Mean squares above which the best fit has lost the slips, and up to which it met all of them."""
+MISSED = 1.0 / 3.0
+"""Share of the windows in which the stem goes beyond which slips were not followed."""
 
 
 def fit_slip_by_slip(problem: Problem, z: Array) -> Fit | None:
     """
-    Return the fit that follows all slips, with all but friction begun at z; None if none does.
+    Return the fit that follows the slips, with all but friction begun at z; None if none does.
 
     None as well where no friction is free, or where the record does not show the stem go.
     """
-    saw, begins = read_saw(problem, z), first_going(problem, z)
-    if saw is None or begins is None or not any(free.knob.rubs for free in problem.freedoms):
+    saw, going = read_saw(problem, z), rows_going(problem, z)
+    if saw is None or not any(free.knob.rubs for free in problem.freedoms):
         return None
+    problem = replace(problem, fine=True)
     grid = list(_grid(problem, z, saw))
-    followed = (_followed(problem, grid, begins, first) for first in FIRST_ENDS)
-    return next((fit for fit in followed if fit and problem.mean_square(fit) < IN_STEP), None)
+    begins = float(problem.experiment.time[going][0])
+    for first in FIRST_ENDS if grid else ():
+        found = _followed(problem, grid, begins, first)
+        missed = steps(problem, found).missed(going)
+        if missed < MISSED:
+            return problem.at(found) if missed else problem.fit(found, EVALUATIONS)
+    return None
 
 
-def _followed(problem: Problem, grid: list[Array], begins: float, first: float) -> Fit | None:
-    """Return the best fit at the end of the record, None where none was in step before."""
-    part = replace(problem.until(begins + first), fine=True)
-    costs = side_by_side(part.cost, grid)
-    places = [grid[k] for k in np.argsort(costs)[:STARTS]]
+def _followed(problem: Problem, grid: list[Array], begins: float, first: float) -> Array:
+    """Return z of the fit that keeps step best at the end of the record."""
+    part = problem.until(begins + first)
+    starts = np.argsort(side_by_side(part.cost, grid))[:STARTS]
+    places = [part.fit(grid[k], EVALUATIONS).z for k in starts]
     for following in itertools.chain(FOLLOWING, itertools.repeat(FOLLOWING[-1])):
-        fits = sorted((part.fit(z, EVALUATIONS) for z in places), key=lambda fit: fit.cost)
+        places = sorted(places, key=partial(cost_in_step, part))[:following]
         if begins + first >= problem.experiment.time[-1]:
-            return fits[0]
-        if not fits or part.mean_square(fits[0]) > OUT_OF_STEP:
             break
         first *= FURTHER
-        places = [fit.z for fit in fits[:following]]
-        part = replace(problem.until(begins + first), fine=True)
-    return None
+        part = problem.until(begins + first)
+        places = [_fitted_in_step(part, z) for z in places]
+    return places[0]
+
+
+def _fitted_in_step(problem: Problem, z: Array) -> Array:
+    """Return z fitted to the windows that are in step there, and again where these become more."""
+    before = np.zeros(len(problem.rows), dtype=bool)
+    for _ in range(2):
+        kept = problem.rows & steps(problem, z).kept
+        if not np.any(kept & ~before):
+            break
+        before = kept
+        z = replace(problem, rows=kept).fit(z, EVALUATIONS_IN_STEP).z
+    return z
 
 
 def _grid(problem: Problem, z: Array, saw: Saw) -> Iterator[Array]:
