@@ -208,7 +208,7 @@ _ROWS = (
         'position_dependent_friction', 'stem',
         'friction differs along the travel (bent or galled stem)',
         'reversals at several positions', 'valve signature over the full travel',
-        'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f8',
+        'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f8; the peak: assumed shape',
         _SLIDING,
         Knob('actuator.friction_gradient', 300.0, -6e3, 6e3),
         Knob('actuator.friction_peak', 300.0, 0.0, 6e3),
