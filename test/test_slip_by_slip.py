@@ -30,6 +30,13 @@ def problem_of(search):
     return search.on(search.joint(search.problem(), ('stem_friction',)), USED, 1)
 
 
+def standing_with(search, sliding, stiction, others=None):
+    """Return the candidate that has this friction on a packing that does not yield."""
+    return standing_at(search, ('stem_friction',), {
+        'actuator.coulomb_friction': sliding, 'actuator.stiction': stiction,
+        'actuator.presliding_stiffness': 0.0, **(others or {})})
+
+
 @pytest.mark.parametrize(('sliding', 'stiction'), [(300.0, 100.0), (200.0, 60.0), (500.0, 200.0)])
 def test_a_stem_that_slips_shows_where_it_breaks_away(sliding, stiction):
     problem = problem_of(rubbing(sliding, stiction, slice(None)))
@@ -74,6 +81,18 @@ def test_a_gap_in_a_channel_is_no_motion():
     assert read_saw(problem, problem.start()).high == pytest.approx(before.high, rel=0.03)
 
 
+def test_the_part_of_a_problem_up_to_a_time_is_its_first_rows():
+    problem = problem_of(rubbing(300.0, 100.0))
+    part = problem.until(10.0)
+    assert part.experiment.time[-1] == pytest.approx(10.0)
+    assert len(part.rows) == len(part.experiment.time) == len(part.experiment.current)
+    z = problem.start()
+    rows = part.counted['valve_position']
+    whole, first = (one.predict(z)['valve_position'][:len(rows)] for one in (problem, part))
+    assert np.array_equal(first[rows], whole[rows])
+    assert len(problem.until(-1.0).experiment.time) == 2
+
+
 def test_friction_is_found_where_a_fit_of_the_whole_gets_stuck():
     """From declared parameters that are a little off."""
     search = rubbing(300.0, 100.0)
@@ -93,9 +112,7 @@ def test_what_the_model_misses_for_a_while_does_not_end_the_search():
     search = rubbing(300.0, 100.0)
     problem = problem_of(search)
     going = rows_going(problem, problem.start())
-    for name, values in problem.experiment.measured.items():
-        if name == 'chamber_pressure':
-            values[500:600] += 1.5e3
+    problem.experiment.measured['chamber_pressure'][500:600] += 1.5e3
     assert going[500:600].any()
     fit = fit_slip_by_slip(problem, problem.start())
     assert fit.parameters.actuator.coulomb_friction == pytest.approx(300.0, rel=0.01)
@@ -106,10 +123,7 @@ def test_what_the_model_misses_for_a_while_does_not_end_the_search():
 
 def test_a_window_out_of_step_counts_no_more_than_a_fixed_cost():
     search = rubbing(300.0, 100.0)
-    problem = problem_of(search)
-    z = standing_at(search, ('stem_friction',), {
-        'actuator.coulomb_friction': 340.0, 'actuator.stiction': 20.0,
-        'actuator.presliding_stiffness': 0.0}).fit.z
+    problem, z = problem_of(search), standing_with(search, 340.0, 20.0).fit.z
     found = steps(problem, z)
     assert 0.7 < found.missed(rows_going(problem, z)) <= 1.0
     assert 0.4 < np.mean(~found.kept) < 0.8  # it rests in step
@@ -119,10 +133,7 @@ def test_a_window_out_of_step_counts_no_more_than_a_fixed_cost():
 
 def test_what_is_in_step_counts_in_full():
     search = rubbing(300.0, 100.0)
-    problem = problem_of(search)
-    z = standing_at(search, ('stem_friction',), {
-        'actuator.coulomb_friction': 300.0, 'actuator.stiction': 100.0,
-        'actuator.presliding_stiffness': 0.0}).fit.z
+    problem, z = problem_of(search), standing_with(search, 300.0, 100.0).fit.z
     going = rows_going(problem, z)
     found = steps(problem, z)
     assert found.missed(going) == 0.0
@@ -138,18 +149,6 @@ def test_windows_are_counted_kept_and_missed():
     assert found.missed(window > 0) == pytest.approx(2.0 / 3.0)
 
 
-def test_the_part_of_a_problem_up_to_a_time_is_its_first_rows():
-    problem = problem_of(rubbing(300.0, 100.0))
-    part = problem.until(10.0)
-    assert part.experiment.time[-1] == pytest.approx(10.0)
-    assert len(part.rows) == len(part.experiment.time) == len(part.experiment.current)
-    z = problem.start()
-    rows = part.counted['valve_position']
-    whole, first = (one.predict(z)['valve_position'][:len(rows)] for one in (problem, part))
-    assert np.array_equal(first[rows], whole[rows])
-    assert len(problem.until(-1.0).experiment.time) == 2
-
-
 def test_where_no_friction_is_free_no_slip_is_followed(monkeypatch):
     problem = problem_of(rubbing(300.0, 100.0))
     bare = replace(problem, freedoms=problem.freedoms[:2])
@@ -159,10 +158,7 @@ def test_where_no_friction_is_free_no_slip_is_followed(monkeypatch):
 
 def test_the_last_fit_follows_slips_that_the_search_had_missed():
     search = rubbing(300.0, 100.0)
-    candidate = standing_at(search, ('stem_friction',), {
-        'actuator.coulomb_friction': 340.0, 'actuator.stiction': 20.0,
-        'actuator.presliding_stiffness': 0.0, 'actuator.viscous_friction': 4000.0})
-    last = last_fit(search, candidate)
+    last = last_fit(search, standing_with(search, 340.0, 20.0, {'actuator.viscous_friction': 4e3}))
     assert last.fit.parameters.actuator.coulomb_friction == pytest.approx(300.0, rel=0.01)
     assert last.problem.mean_square(last.fit) < 1.05
     cost = cost_in_step(last.problem, last.fit.z)

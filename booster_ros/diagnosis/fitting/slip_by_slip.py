@@ -23,7 +23,7 @@ cost is smooth. Only packings that do not yield are followed: one that yields co
 and the other fits meet it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 import itertools
@@ -82,16 +82,20 @@ def fit_slip_by_slip(problem: Problem, z: Array) -> Fit | None:
 def _followed(problem: Problem, grid: list[Array], begins: float, first: float) -> Array:
     """Return z of the fit that keeps step best at the end of the record."""
     part = problem.until(begins + first)
-    starts = np.argsort(side_by_side(part.cost, grid))[:STARTS]
-    places = [part.fit(grid[k], EVALUATIONS).z for k in starts]
+    places = [part.fit(z, EVALUATIONS).z for z in _best(part.cost, grid, STARTS)]
     for following in itertools.chain(FOLLOWING, itertools.repeat(FOLLOWING[-1])):
-        places = sorted(places, key=partial(cost_in_step, part))[:following]
+        places = _best(partial(cost_in_step, part), places, following)
         if begins + first >= problem.experiment.time[-1]:
             break
         first *= FURTHER
         part = problem.until(begins + first)
         places = [_fitted_in_step(part, z) for z in places]
     return places[0]
+
+
+def _best(cost: Callable[[Array], float], places: list[Array], number: int) -> list[Array]:
+    """Return so many of the places as cost least, the best first."""
+    return [places[k] for k in np.argsort(side_by_side(cost, places))[:number]]
 
 
 def _fitted_in_step(problem: Problem, z: Array) -> Array:
