@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A fit: the state in which it begins, and what it leaves of a size that no row shows."""
 
+from dataclasses import replace
+
 from made_effect import add_effect
 from made_search import CURRENT, P, TIME, everywhere, searching, seen, standing_at
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.experiment.experiment import Initial
 from booster_ros.diagnosis.fitting.fit import START, Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, possible_departures, put
 from booster_ros.diagnosis.fitting.intervals import interval_of
@@ -72,6 +75,22 @@ def test_play_of_the_position_reading_starts_where_it_was_left():
     apart = high['measured_valve_position'][0] - low['measured_valve_position'][0]
     assert apart == pytest.approx(4e-4)
     assert high['valve_position'][0] == low['valve_position'][0]
+
+
+@pytest.mark.parametrize(('pressure', 'position', 'kept'), [(97e3, 0.0, False), (2e5, 5e-3, True)])
+def test_a_stem_that_sticks_starts_where_it_was_read_but_on_a_stop(pressure, position, kept):
+    """On a stop, what noise makes of the reading is hundreds of newtons in a packing."""
+    plant = P._replace(actuator=P.actuator._replace(
+        coulomb_friction=550.0, stiction=190.0, presliding_stiffness=2e7))
+    experiment = seen(P)
+
+    def started(noise):
+        read = replace(experiment, initial=Initial(pressure, valve_position=position + noise))
+        problem = Problem(read, everywhere(read), plant, ())
+        return problem.initial(problem.start(), plant).valve_position
+
+    assert started(8e-6) == (pytest.approx(position + 8e-6) if kept else None)
+    assert started(-8e-6) == (pytest.approx(position - 8e-6) if kept else None)
 
 
 @pytest.mark.parametrize(('falls_to', 'left', 'least'), [(3.4e-4, 3.5, 1.7), (4.3e-4, 1.0, 0.5)])

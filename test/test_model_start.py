@@ -8,7 +8,7 @@ import pytest
 
 from booster_ros.model.memory import CENTRED
 from booster_ros.model.simulation import Plant, simulate
-from booster_ros.model.start import start_of_readings
+from booster_ros.model.start import rests_on_a_stop, start_of_readings
 from booster_ros.model.stream import Stream
 
 TIME = rows(24.0)
@@ -162,6 +162,35 @@ def test_a_stem_pressed_against_a_stop_stays_there(pressure, stop, noise):
 
     assert moved(start_of_readings(p, 0.0, current, readings)[0]) < 30.0
     assert moved(readings) > 100.0
+
+
+@pytest.mark.parametrize(('pressure', 'stop', 'after'), [
+    (97e3, 0.0, 250e3), (330e3, 0.016, 200e3)])
+def test_noise_in_a_reading_does_not_load_the_packing_of_a_stem_on_its_stop(pressure, stop, after):
+    """A micrometre in the stop is 500 N, and a packing that yields by 35 µm keeps what it holds."""
+    p, time = positioner(YIELDING), rows(1.0)
+    current = np.where(time < 0.1, current_for(pressure), current_for(after))
+
+    def moved(state):
+        return Stream(p, 0.0, current[0], state).advance(time, current)['valve_position']
+
+    readings = [{'chamber_pressure': pressure, 'valve_position': stop + noise}
+                for noise in (-25e-6, 25e-6)]
+    low, high = (moved(start_of_readings(p, 0.0, current[0], read)[0]) for read in readings)
+    assert np.ptp(low) > 1e-4
+    np.testing.assert_array_equal(low, high)
+    as_read = [moved(read) for read in readings]
+    assert np.abs(as_read[0] - as_read[1])[time > 0.2].max() > 5e-6  # it would matter
+
+
+def test_a_stem_that_friction_may_hold_beside_its_stop_is_where_it_is_read():
+    p = positioner(YIELDING)
+    pressure = p.actuator.bench_set[0] - 300.0 / p.actuator.effective_area
+    assert not rests_on_a_stop(p, pressure, 60e-6)
+    assert rests_on_a_stop(p, pressure - 500.0 / p.actuator.effective_area, 60e-6)
+    assert not rests_on_a_stop(p, 97e3, 0.003)
+    readings = {'chamber_pressure': pressure, 'valve_position': 60e-6}
+    assert start_of_readings(p, 0.0, float(current_for(pressure)), readings)[0] == readings
 
 
 @pytest.mark.parametrize('variable', [

@@ -10,7 +10,7 @@ be.
 
 from collections.abc import Callable, Mapping
 
-from .actuator import has_dry_friction
+from .actuator import balance_position, breakaway_friction, has_dry_friction, stem_force
 from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
 from .memory import Departure, start_current
 from .sensors import position_behind, pressure_behind
@@ -44,12 +44,30 @@ def start_of_readings(
     1. Bias, span error and term of the sensors are taken off.
     2. Of all positions at which a linkage with play may show this reading, the stem has the one
        nearest to where the forces on it balance.
-    3. Where friction or an end stop would hold the stem within `UNSURE` of where it is read, it is
-       held: it has the nearest position at which they hold it. A stem further off moves.
+    3. A stem that rests on a stop (`rests_on_a_stop`) stands where the stop holds it. Where
+       friction would hold it within `UNSURE` of where it is read, it is held: it has the nearest
+       position at which friction holds it. A stem further off moves.
     4. In its hysteresis the E/P converter has the place nearest to the middle at which the chamber
        neither fills nor empties: after a rise of the current it is at the lower end.
     """
     return _start_without_term(p, time, current, _term_taken_off(p, time, current, readings))
+
+
+def rests_on_a_stop(p: PositionerParameters, pressure: float, read: float) -> bool:
+    """
+    Tell whether a stem that is read here (m), at this pressure (Pa), rests on a stop.
+
+    Friction alone could not hold it off the stop then, and within the stop no reading tells what
+    friction holds: a micrometre is hundreds of newtons. It is taken to hold nothing. Noise in a
+    reading would load a packing that yields to its limit, one way or the other, and the stem would
+    next break away as it does only after it has turned or gone on.
+    """
+    act = p.actuator
+    balance = balance_position(act, pressure)
+    if 0.0 <= balance <= act.travel or abs(balance - read) > UNSURE * act.travel:
+        return False
+    edge = 0.0 if balance < 0.0 else act.travel
+    return abs(stem_force(act, pressure, edge, 0.0, 0.0)) > breakaway_friction(act, edge)
 
 
 def _term_taken_off(
@@ -109,7 +127,7 @@ def _held_position(
     """Return the position, m, at which the stem is held, or that which is read if none is near."""
     pressure, read = state['chamber_pressure'], state['valve_position']
     balance, near = _balance(p, time, current, pressure), UNSURE * p.actuator.travel
-    if has_dry_friction(p.actuator):
+    if has_dry_friction(p.actuator) and not rests_on_a_stop(p, pressure, read):
         seen = start_current(p, current, Departure())
 
         def breaks_away(position: float) -> bool:

@@ -28,6 +28,7 @@ from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
+from booster_ros.model.start import rests_on_a_stop
 from booster_ros.model.stream import DEFAULT_TOLERANCE
 from booster_ros.model.system import PositionerParameters
 
@@ -130,7 +131,7 @@ class Problem:
         return p
 
     def initial(self, z: Array, p: PositionerParameters) -> Initial:
-        """Return the start at z; a stem that can stick stands where it was seen."""
+        """Return the start at z; a stem that can stick stands where it was seen, off the stops."""
         start = self.experiment.initial
         if self.nuisances:
             pressure, back, ep_play, position_play, warmth, past = _on_grid(
@@ -144,8 +145,9 @@ class Problem:
             return replace(start, valve_position=None)
         sensors = p.sensors
         read = position_behind(sensors, start.valve_position)
-        lost = 0.5 * sensors.position_backlash * start.departure.position_play
-        return replace(start, valve_position=read - lost)
+        stem = read - 0.5 * sensors.position_backlash * start.departure.position_play
+        on_stop = rests_on_a_stop(p, start.chamber_pressure, stem)
+        return replace(start, valve_position=None if on_stop else stem)
 
     def predict(self, z: Array) -> dict[str, Array] | None:
         """Return the model's channels at z, None where it cannot run."""
