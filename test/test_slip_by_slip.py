@@ -11,6 +11,7 @@ import pytest
 from booster_ros.diagnosis.experiment.segments import USED
 from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.in_step import OUT_OF_STEP, Steps, cost_in_step, steps
+from booster_ros.diagnosis.fitting.one_by_one import more_in_step
 from booster_ros.diagnosis.fitting.sawtooth import read_saw, rows_going
 from booster_ros.diagnosis.fitting.slip_by_slip import fit_slip_by_slip
 from booster_ros.diagnosis.last_fit import last_fit
@@ -147,6 +148,7 @@ def test_windows_are_counted_kept_and_missed():
     assert found.cost == pytest.approx(20.0 * (1.0 + 3.5 + 2.0 * OUT_OF_STEP))
     assert list(found.kept[::10]) == [True, True, False, False]
     assert found.missed(window > 0) == pytest.approx(2.0 / 3.0)
+    assert found.missed(np.zeros(len(window), dtype=bool)) == 1.0  # nothing goes, or is followed
 
 
 def test_where_no_friction_is_free_no_slip_is_followed(monkeypatch):
@@ -163,3 +165,38 @@ def test_the_last_fit_follows_slips_that_the_search_had_missed():
     assert last.problem.mean_square(last.fit) < 1.05
     cost = cost_in_step(last.problem, last.fit.z)
     assert cost == pytest.approx(last.trials.cost.min(), rel=1e-3)
+
+
+def a_little_off(sliding, stiction, damping):
+    """Return the search for friction of a packing that yields, and a candidate near to it."""
+    search = rubbing(sliding, stiction, presliding_stiffness=2e7, presliding_damping=damping)
+    return search, standing_at(search, ('stem_friction',), {
+        'actuator.coulomb_friction': 1.004 * sliding, 'actuator.stiction': 0.988 * stiction,
+        'actuator.presliding_stiffness': 2.2e7, 'actuator.presliding_damping': 1.5 * damping})
+
+
+def left_in_step(problem, z):
+    """Return the cost in step of each row that counts."""
+    return cost_in_step(problem, z) / problem.rows_counted()
+
+
+def test_a_packing_that_yields_is_made_to_keep_step():
+    search, candidate = a_little_off(400.0, 150.0, 0.5)
+    problem = problem_of(search)
+    before = left_in_step(problem, candidate.fit.z)
+    assert before > 1.1
+    after = left_in_step(problem, more_in_step(problem, candidate.fit.z))
+    assert after < 1.0 + 0.4 * (before - 1.0)
+
+
+def test_the_last_fit_of_a_packing_that_yields_keeps_step():
+    """Fits through slips end at 1.23, and trials of friction are not as sure of it as slips."""
+    last = last_fit(*a_little_off(500.0, 200.0, 0.3))
+    assert left_in_step(last.problem, last.fit.z) < 1.1
+    sliding = last.fit.parameters.actuator.coulomb_friction
+    assert sliding == pytest.approx(500.0, rel=0.01)
+    index = [free.knob.parameter for free in last.problem.freedoms].index(
+        'actuator.coulomb_friction')
+    low, high = map(last.problem.freedoms[index].value, last.trials.ends(index))
+    assert low < 500.0 < high
+    assert high - low > 0.01 * sliding

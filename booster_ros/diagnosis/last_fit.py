@@ -19,9 +19,10 @@ from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.friction_start import each_damping
 from booster_ros.diagnosis.fitting.friction_trials import (
     NARROW, WIDE, Trials, friction_trials)
-from booster_ros.diagnosis.fitting.in_step import cost_in_step
+from booster_ros.diagnosis.fitting.in_step import cost_in_step, follows_slips
 from booster_ros.diagnosis.fitting.intervals import (
     block_bootstrap, block_bootstrap_of_means, left_of, undetermined)
+from booster_ros.diagnosis.fitting.one_by_one import more_in_step
 from booster_ros.diagnosis.fitting.slip_by_slip import fit_slip_by_slip
 from booster_ros.diagnosis.fitting.valley import at_the_bottom
 from booster_ros.diagnosis.searching.candidate import (
@@ -44,8 +45,8 @@ class LastFit:
     A problem on all but the locked rows, its fit, and draws of z by a bootstrap of its segments.
 
     Draws have the shape (draws, variables); there are none where no effect is to be told from none.
-    `trials` are the trials of friction around the fit of a stem that sticks and slips; the fit is
-    the best of them.
+    `trials` are the trials of friction around the fit of a stem that sticks and slips. The fit is
+    the best of them, or keeps step with more slips than they do.
     """
 
     problem: Problem
@@ -124,10 +125,12 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
     is left could be noise, one other fit begins with the effects alone and the declared parameters
     as given. Else, a fit that follows the stem from slip to slip is sought, and friction is tried
     around it, by the cost in step: slopes would tell friction far closer than it is. Where there is
-    none, fits through slips begin with what is seen above the stem, then with the effects alone.
-    Friction is tried around the best of these fits, and both kinds of fits begin once more from the
-    best trial; around one that is better, friction is tried again. There, the cost through slips
-    decides: when single slips come is chance.
+    none, fits through slips begin with what is seen above the stem, then with the effects alone. If
+    the best of these has a packing that yields, and follows the slips, it is made to keep step with
+    more of them; trials by the cost through slips tell how sure it is, as chance leads to one of
+    several places that keep step. Else, friction is tried around it, and both kinds of fits begin
+    once more from the best trial; around one that is better, friction is tried again. There, the
+    cost through slips decides: when single slips come is chance.
     """
     fit = problem.fit(candidate.fit.z, evaluations=EVALUATIONS)
     if not candidate.effects or _unnamed(candidate):
@@ -141,6 +144,10 @@ def _through_slips(search: Search, problem: Problem, candidate: Candidate) -> La
         return LastFit(problem, problem.without_unseen(fit), trials=trials)
     fit = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     fit = _better(problem, fit, each_damping(problem, declared_as_given(problem, fit.z)))
+    if not is_rigid(fit.parameters.actuator) and follows_slips(problem, fit.z):
+        fit = problem.at(more_in_step(problem, fit.z))
+        trials = friction_trials(problem, fit.z)
+        return LastFit(problem, problem.without_unseen(fit), trials=trials)
     fit, trials = _tried_around(problem, fit)
     further = _better(problem, fit, [as_seen_above(search, candidate, fit.z, USED)])
     further = _better(problem, further, [declared_as_given(problem, further.z)])

@@ -206,7 +206,8 @@ class Problem:
             np.apply_along_axis(slips.means, 0, part)
             for slips, part in zip(self.slips, np.split(slopes[:ends[-1]], ends[:-1]))])
 
-    def _slopes_through_slips(self, z: Array, here: Array, before: Array | None = None) -> Array:
+    def slopes_through_slips(self, z: Array, here: Array, before: Array | None = None) -> Array:
+        """Return d(through_slips)/dz as `jacobian` does; `here` is that at z."""
         return self._slopes(self.through_slips, z, here, before)
 
     def _scaled(self, z: Array) -> list[Array]:
@@ -385,7 +386,7 @@ class Problem:
         slips happens to suit, or where slips are so small that their phase does not matter;
         `cost_through_slips` says which of the two ends is better.
         """
-        found = descend(self.through_slips, self._slopes_through_slips, self._inside(z),
+        found = descend(self.through_slips, self.slopes_through_slips, self._inside(z),
                         *self.bounds(), evaluations)
         further = self.fit(found.z, evaluations)
         return self.at(found.z) if found.cost <= self.cost_through_slips(further.z) else further

@@ -10,11 +10,12 @@ better the longer it keeps step, not the less it is wrong elsewhere. (A bounded 
 Robust Statistics, Wiley 1981, ch. 4.)
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.fitting.sawtooth import rows_going
 from booster_ros.diagnosis.fitting.slips import WINDOW
 
 Array = np.ndarray
@@ -48,8 +49,9 @@ class Steps:
         return (self.mean < OUT_OF_STEP)[self.window]
 
     def missed(self, going: Array) -> float:
-        """Return the share of the windows with such rows (a mask) that are out of step."""
-        return float(np.mean(self.mean[np.unique(self.window[going])] >= OUT_OF_STEP))
+        """Return the share of windows with such rows (a mask) that are out of step; of none, 1."""
+        windows = np.unique(self.window[going])
+        return float(np.mean(self.mean[windows] >= OUT_OF_STEP)) if len(windows) else 1.0
 
 
 def steps(problem: Problem, z: Array) -> Steps:
@@ -60,6 +62,27 @@ def steps(problem: Problem, z: Array) -> Steps:
     count = np.bincount(rows, minlength=window[-1] + 1)
     squares = np.bincount(rows, problem.residuals(z)[:len(rows)]**2, window[-1] + 1)
     return Steps(window, count, squares / np.maximum(count, 1))
+
+
+MISSED = 1.0 / 3.0
+"""Share of the windows in which the stem goes beyond which slips are not followed."""
+
+
+def follows_slips(problem: Problem, z: Array) -> bool:
+    """Tell whether the model at z is in step in most windows in which the stem goes."""
+    return steps(problem, z).missed(rows_going(problem, z)) < MISSED
+
+
+def fitted_in_step(problem: Problem, z: Array, evaluations: int) -> Array:
+    """Return z fitted to the windows that are in step there, and again where these become more."""
+    before = np.zeros(len(problem.rows), dtype=bool)
+    for _ in range(2):
+        kept = problem.rows & steps(problem, z).kept
+        if not np.any(kept & ~before):
+            break
+        before = kept
+        z = replace(problem, rows=kept).fit(z, evaluations).z
+    return z
 
 
 def cost_in_step(problem: Problem, z: Array) -> float:

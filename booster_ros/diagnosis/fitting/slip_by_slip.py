@@ -32,7 +32,7 @@ import numpy as np
 
 from booster_ros.diagnosis.fitting.fit import Fit, Problem
 from booster_ros.diagnosis.fitting.friction_start import with_friction
-from booster_ros.diagnosis.fitting.in_step import cost_in_step, steps
+from booster_ros.diagnosis.fitting.in_step import MISSED, cost_in_step, fitted_in_step, steps
 from booster_ros.diagnosis.fitting.sawtooth import Saw, read_saw, rows_going
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 
@@ -54,9 +54,6 @@ FOLLOWING = (6, 6, 6, 3, 2)
 number is that of all further ends."""
 
 EVALUATIONS, EVALUATIONS_IN_STEP = 10, 6
-
-MISSED = 1.0 / 3.0
-"""Share of the windows in which the stem goes beyond which slips were not followed."""
 
 
 def fit_slip_by_slip(problem: Problem, z: Array) -> Fit | None:
@@ -89,25 +86,13 @@ def _followed(problem: Problem, grid: list[Array], begins: float, first: float) 
             break
         first *= FURTHER
         part = problem.until(begins + first)
-        places = [_fitted_in_step(part, z) for z in places]
+        places = [fitted_in_step(part, z, EVALUATIONS_IN_STEP) for z in places]
     return places[0]
 
 
 def _best(cost: Callable[[Array], float], places: list[Array], number: int) -> list[Array]:
     """Return so many of the places as cost least, the best first."""
     return [places[k] for k in np.argsort(side_by_side(cost, places))[:number]]
-
-
-def _fitted_in_step(problem: Problem, z: Array) -> Array:
-    """Return z fitted to the windows that are in step there, and again where these become more."""
-    before = np.zeros(len(problem.rows), dtype=bool)
-    for _ in range(2):
-        kept = problem.rows & steps(problem, z).kept
-        if not np.any(kept & ~before):
-            break
-        before = kept
-        z = replace(problem, rows=kept).fit(z, EVALUATIONS_IN_STEP).z
-    return z
 
 
 def _grid(problem: Problem, z: Array, saw: Saw) -> Iterator[Array]:
