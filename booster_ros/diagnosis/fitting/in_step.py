@@ -24,6 +24,9 @@ OUT_OF_STEP = 4.0
 """Mean square of the scaled residuals of a window from which on it is out of step, and what such a
 window counts: noise alone leaves 1, and a slip that is missed tens."""
 
+MISSED = 1.0 / 3.0
+"""Share of the windows in which the stem goes beyond which slips are not followed."""
+
 
 @dataclass(frozen=True, eq=False)
 class Steps:
@@ -62,10 +65,6 @@ def steps(problem: Problem, z: Array) -> Steps:
     count = np.bincount(rows, minlength=window[-1] + 1)
     squares = np.bincount(rows, problem.residuals(z)[:len(rows)]**2, window[-1] + 1)
     return Steps(window, count, squares / np.maximum(count, 1))
-
-
-MISSED = 1.0 / 3.0
-"""Share of the windows in which the stem goes beyond which slips are not followed."""
 
 
 def follows_slips(problem: Problem, z: Array) -> bool:

@@ -72,7 +72,8 @@ def _widths(problem: Problem, z: Array) -> Array:
     slopes = problem.slopes_through_slips(z, here, first)
     priors = problem.nuisances + sum(bool(np.isfinite(one.sigma)) for one in problem.freedoms)
     seen = np.linalg.norm(slopes[:len(here) - priors], axis=0) > FLAT
-    return np.where(seen, np.minimum(1.0 / np.linalg.norm(slopes, axis=0), WIDEST), 0.0)
+    steepness = np.maximum(np.linalg.norm(slopes, axis=0), 1.0 / WIDEST)
+    return np.where(seen, 1.0 / steepness, 0.0)
 
 
 def _drawn(problem: Problem, z: Array, widths: Array, rng: np.random.Generator) -> Array:
