@@ -36,7 +36,7 @@ Number of best trials around which closer ones follow, and the steps of these, r
 the sliding friction, as a share of it, and of the share that breaks away.
 """
 
-DAMPINGS = (0.5, 1.0)
+DAMPINGS = (0.3, 0.6)
 """Values of the damping of a packing from which fits begin, as shares of critical damping."""
 
 _STICTION = 'actuator.stiction'
