@@ -48,11 +48,26 @@ FLAT, WIDEST = 1e-3, 1.0
 def more_in_step(problem: Problem, z: Array) -> Array:
     """Return the place from z on that keeps step best, by the cost in step."""
     widths, rng = _widths(problem, z), np.random.default_rng(1)
+    seen = np.flatnonzero(widths)
+    sizes = np.intersect1d(seen, [
+        j for j, free in enumerate(problem.freedoms) if not np.isfinite(free.sigma)])
+    low, high = problem.bounds()
+
+    def drawn(place: Array) -> Array:
+        """Return the place with one or two of its variables drawn anew."""
+        among = sizes if len(sizes) and rng.random() < OF_THE_EFFECT else seen
+        number = min(int(rng.integers(1, 3)), len(among))
+        moved = place.copy()
+        for j in rng.choice(among, number, replace=False):
+            reach = np.exp(rng.uniform(np.log(NEAR), np.log(FAR)))
+            moved[j] += reach * widths[j] * rng.standard_normal()
+        return np.clip(moved, low, high)
+
     problem = replace(problem, fine=True)
     cost = partial(cost_in_step, problem)
     best = [(cost(z), z)]
     for number in range(1, ROUNDS + 1):
-        places = [_drawn(problem, best[k % len(best)][1], widths, rng) for k in range(TRIALS)]
+        places = [drawn(best[k % len(best)][1]) for k in range(TRIALS)]
         best = _least([*best, *zip(side_by_side(cost, places), places)])
         if number % ROUNDS_TO_A_FIT == 0:
             fitted = fitted_in_step(problem, best[0][1], EVALUATIONS)
@@ -74,17 +89,3 @@ def _widths(problem: Problem, z: Array) -> Array:
     seen = np.linalg.norm(slopes[:len(here) - priors], axis=0) > FLAT
     steepness = np.maximum(np.linalg.norm(slopes, axis=0), 1.0 / WIDEST)
     return np.where(seen, 1.0 / steepness, 0.0)
-
-
-def _drawn(problem: Problem, z: Array, widths: Array, rng: np.random.Generator) -> Array:
-    """Return z with one or two of its variables drawn anew."""
-    seen = np.flatnonzero(widths)
-    unknown = np.array([j for j in seen if j < len(problem.freedoms)
-                        and not np.isfinite(problem.freedoms[j].sigma)], dtype=int)
-    among = unknown if len(unknown) and rng.random() < OF_THE_EFFECT else seen
-    number = min(int(rng.integers(1, 3)), len(among))
-    place = z.copy()
-    for j in rng.choice(among, number, replace=False):
-        reach = np.exp(rng.uniform(np.log(NEAR), np.log(FAR)))
-        place[j] += reach * widths[j] * rng.standard_normal()
-    return np.clip(place, *problem.bounds())
