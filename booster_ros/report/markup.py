@@ -4,16 +4,19 @@
 
 from collections.abc import Iterable, Sequence
 from html import escape
+import re
+
+_BEFORE_A_UNIT = re.compile(r'(?<=\d) (?=[%×]|(?:kPa|Pa|mm|µm|m|mA|A|N|L|s|Hz)\b)')
 
 
 def paragraph(text: str, kind: str = '') -> str:
     """Return a paragraph of plain text."""
-    return f'<p{_class(kind)}>{escape(text)}</p>'
+    return f'<p{_class(kind)}>{_text(text)}</p>'
 
 
 def bullets(texts: Iterable[str]) -> str:
     """Return a list of plain texts."""
-    return '<ul>' + ''.join(f'<li>{escape(text)}</li>' for text in texts) + '</ul>'
+    return '<ul>' + ''.join(f'<li>{_text(text)}</li>' for text in texts) + '</ul>'
 
 
 def section(title: str, *content: str) -> str:
@@ -24,8 +27,8 @@ def section(title: str, *content: str) -> str:
 
 def cell(text: str, detail: str = '', kind: str = '') -> str:
     """Return a table cell of plain text, with a smaller line below it."""
-    below = f'<small>{escape(detail)}</small>' if detail else ''
-    return f'<td{_class(kind)}>{escape(text)}{below}</td>'
+    below = f'<small>{_text(detail)}</small>' if detail else ''
+    return f'<td{_class(kind)}>{_text(text)}{below}</td>'
 
 
 def number_cell(text: str, detail: str = '') -> str:
@@ -50,6 +53,11 @@ def table(head: Sequence[str], rows: Iterable[str], numbers_from: int = 1) -> st
 def figure(svg: str, description: str) -> str:
     """Return a figure with what it shows in words, for those who cannot see it."""
     return f'<figure role="img" aria-label="{escape(description)}">{svg}</figure>'
+
+
+def _text(text: str) -> str:
+    """Return plain text as markup; no line breaks between a number and what it counts."""
+    return escape(_BEFORE_A_UNIT.sub('\u00a0', text))
 
 
 def _class(kind: str) -> str:
