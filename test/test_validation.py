@@ -22,7 +22,7 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said():
     notes = validated(replace(found, unknown=narrow), within).notes
     seen = within.measured['valve_position']
     share = np.mean((seen < narrow.knots[1]) | (seen > narrow.knots[-2]))
-    assert notes[-1].startswith(f'{100.0 * share:.0f} % of the other record lies beyond the valve_')
+    assert notes[-1].startswith(f'{100.0 * share:.0f} % of the other record lies beyond the valve ')
 
 
 def test_what_drove_the_other_record_and_is_compared_in_it_is_said_where_it_is_not_the_same():

@@ -60,8 +60,9 @@ def _beyond(diagnosis: Diagnosis, experiment: Experiment, start: Initial) -> tup
     share = float(np.mean(beyond(unknown.seen, experiment, diagnosis.after, start)))
     if share < WORTH_SAYING:
         return ()
-    return (f'{100.0 * share:.0f} % of the other record lies beyond the {unknown.variable} in '
-            'which the term without a name was seen: it fades to zero there',)
+    variable = unknown.variable.replace('_', ' ')
+    return (f'{100.0 * share:.0f} % of the other record lies beyond the {variable} in which the '
+            'term without a name was seen: it fades to zero there',)
 
 
 def _in_another_phase(diagnosis: Diagnosis) -> tuple[str, ...]:
