@@ -9,7 +9,7 @@ from made_search import CURRENT, P, TIME, everywhere, searching, seen, standing_
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import Initial
+from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
 from booster_ros.diagnosis.fitting.fit import START, Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, possible_departures, put
 from booster_ros.diagnosis.fitting.intervals import interval_of
@@ -54,6 +54,26 @@ def test_a_start_without_play_warmth_or_past_costs_no_simulation_and_stays_free_
     places = problem.at(problem.start()).jacobian[:, -4:]
     assert np.count_nonzero(places) == 4
     assert np.abs(places[-4:]) == pytest.approx(np.diag(1.0 / START[-4:]))
+
+
+def test_the_model_is_run_no_further_than_the_last_row_that_counts(monkeypatch):
+    """What comes later changes nothing before. One channel ends earlier, and no row may count."""
+    experiment = seen(P)
+    experiment.measured['valve_position'][150:] = np.nan
+    rows = np.arange(len(experiment.time)) < 200
+    problem = Problem(experiment, rows, put(P, 'supply.pressure', 3.9e5), ())
+    z = problem.start()
+    whole, ends = problem.predict(z), []
+    run = Experiment.predict
+    monkeypatch.setattr(
+        Experiment, 'predict', lambda self, *one: ends.append(self.time[-1]) or run(self, *one))
+    left = problem.residuals(z)[:350]
+    assert ends == [experiment.time[199]]
+    expected = np.concatenate([
+        (experiment.measured[name][:count] - whole[name][:count]) / experiment.noise[name]
+        for name, count in (('chamber_pressure', 200), ('valve_position', 150))])
+    assert np.array_equal(left, expected)
+    assert len(replace(problem, rows=rows & False).residuals(z)) == problem.nuisances
 
 
 def test_what_may_be_off_at_the_start_goes_with_the_sizes_of_effects(monkeypatch):

@@ -151,8 +151,11 @@ class Problem:
 
     def predict(self, z: Array) -> dict[str, Array] | None:
         """Return the model's channels at z, None where it cannot run."""
+        return self._predicted(z, self.experiment)
+
+    def _predicted(self, z: Array, experiment: Experiment) -> dict[str, Array] | None:
         p = self.parameters(z)
-        return self.experiment.predict(p, self.initial(z, p)) if is_consistent(p) else None
+        return experiment.predict(p, self.initial(z, p)) if is_consistent(p) else None
 
     def residuals(self, z: Array) -> Array:
         """Return the scaled residuals of all marked rows, followed by the priors."""
@@ -189,6 +192,12 @@ class Problem:
                 for name, measured in self.experiment.measured.items()}
 
     @cached_property
+    def _decisive(self) -> Experiment:
+        """The experiment up to the last row that counts: what comes later changes none of them."""
+        counting = np.flatnonzero(np.any(list(self.counted.values()), axis=0))
+        return self.experiment.until(self.experiment.time[counting[-1] if len(counting) else 0])
+
+    @cached_property
     def slips(self) -> tuple[Windows, ...]:
         """The windows of rows, for each channel, over which means and strengths are formed."""
         measured, noise = self.experiment.measured, self.experiment.noise
@@ -212,13 +221,14 @@ class Problem:
 
     def _scaled(self, z: Array) -> list[Array]:
         """Return the scaled residuals of the rows that count, one array a channel."""
-        predicted = self.predict(z)
+        predicted = self._predicted(z, self._decisive)
         if predicted is None:
             return [np.full(np.count_nonzero(rows), FAR) for rows in self.counted.values()]
         measured, noise = self.experiment.measured, self.experiment.noise
         return [
-            np.nan_to_num((measured[name][rows] - predicted[name][rows]) / noise[name],
-                          nan=FAR, posinf=FAR, neginf=-FAR)
+            np.nan_to_num(
+                (measured[name][rows] - predicted[name][rows[:len(predicted[name])]])
+                / noise[name], nan=FAR, posinf=FAR, neginf=-FAR)
             for name, rows in self.counted.items()]
 
     def _with_priors(self, z: Array, parts: list[Array]) -> Array:
