@@ -7,7 +7,7 @@ import pytest
 from booster_ros.report.markup import bullets, cell, paragraph
 
 
-@pytest.mark.parametrize('text, kept', [
+@pytest.mark.parametrize(('text', 'kept'), [
     ('less than 1 % after', 'less than 1\u00a0% after'),
     ('from 5.06 kPa to 9 µm (1.3 × noise)', 'from 5.06\u00a0kPa to 9\u00a0µm (1.3\u00a0× noise)'),
     ('2 seats, 3 mistakes, at 4 s', '2 seats, 3 mistakes, at 4\u00a0s')])
