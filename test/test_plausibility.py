@@ -147,10 +147,7 @@ def test_an_absolute_pressure_and_one_in_mbar_that_drive_the_stem_are_refused(wr
     ('back_pressure',), ('supply_pressure',), ('back_pressure', 'supply_pressure'),
     ('back_pressure', 'supply_pressure', 'chamber_pressure')])
 def test_drives_in_mbar_are_refused_whatever_else_is(in_mbar):
-    columns = step_test()
-    run = simulate(DECLARED, columns['time'], columns['control_current'],
-                   {'chamber_pressure': 215e3})
-    columns |= {'back_pressure': run['back_pressure'], **SUPPLY}
+    columns = driven_by(['back_pressure', 'supply_pressure'])
     if 'back_pressure' in in_mbar:
         del columns['control_current']
     prepare(record_of(**columns), DECLARED)
@@ -158,6 +155,44 @@ def test_drives_in_mbar_are_refused_whatever_else_is(in_mbar):
     named = ' and '.join(name for name in in_mbar if name != 'chamber_pressure')
     with pytest.raises(RecordError, match=rf'column {named}: .* \(from mbar: times 100\)'):
         prepare(record_of(**columns), DECLARED)
+
+
+def driven_by(channels, plant=DECLARED):
+    """Return columns of a step test with these pressures upstream of the chamber as well."""
+    columns = step_test()
+    run = simulate(plant, columns['time'], columns['control_current'],
+                   {'chamber_pressure': 215e3})
+    for name in ('chamber_pressure', 'valve_position', *channels):
+        columns[name] = run[name]
+    return columns
+
+
+@pytest.mark.parametrize(('channels', 'absolute', 'commanded'), [
+    (['supply_pressure'], ['supply_pressure'], True),
+    (['back_pressure'], ['back_pressure'], True),
+    (['back_pressure'], ['back_pressure'], False),
+    (['back_pressure', 'supply_pressure'], ['back_pressure'], False),
+    (['back_pressure', 'supply_pressure'], ['supply_pressure'], False),
+    (['back_pressure', 'supply_pressure'], ['supply_pressure', 'back_pressure'], False)])
+def test_absolute_pressures_upstream_are_refused_by_name(channels, absolute, commanded):
+    """A supply in absolute pressure came out as a dead band and a jet that pushes the plug."""
+    plant = DECLARED._replace(booster=DECLARED.booster._replace(intake_preload=0.05))
+    columns = driven_by(channels, plant)
+    if not commanded:
+        del columns['control_current']
+    assert prepare(record_of(**columns), DECLARED).drives
+    for name in absolute:
+        columns[name] = columns[name] + 101_325.0
+    named = ' and '.join(absolute)
+    with pytest.raises(RecordError, match=rf'column {named}: .* looks like absolute pressure'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_supply_an_atmosphere_above_the_declared_one_is_no_absolute_one_if_the_valve_has_it():
+    high = DECLARED._replace(supply=DECLARED.supply._replace(pressure=501_325.0))
+    columns = driven_by(['supply_pressure'], high)
+    assert columns['supply_pressure'].min() == 501_325.0
+    assert 'supply_pressure' in prepare(record_of(**columns), DECLARED).drives
 
 
 def test_a_supply_far_below_the_declared_one_is_no_other_unit_where_the_model_follows_it():

@@ -9,6 +9,7 @@ as a process that pushes on the plug. Or the search runs for minutes and finds n
 
 from collections.abc import Mapping
 from dataclasses import replace
+import itertools
 
 import numpy as np
 
@@ -36,17 +37,20 @@ smallest value asks for more."""
 
 AN_ATMOSPHERE = 6e3
 STEADY = 20e3
-"""Tolerances, Pa. A chamber is recorded in absolute pressure if it lies an atmosphere above the
-declared model, within the first, and four fifths of the rows lie above it by the same, within the
-second."""
+"""Tolerances, Pa. A pressure is recorded as absolute if it lies an atmosphere above the declared
+model, within the first, and four fifths of the rows lie above it by the same, within the second."""
+
+LEAST_ABSOLUTE = ATMOSPHERE - AN_ATMOSPHERE
+"""Least absolute pressure in a valve, Pa."""
 
 MOSTLY_EXPLAINED = 0.3
 FAR_ABOVE = 50e3
-"""Share of the error of the position, and distance in Pa. A chamber is also recorded in absolute
-pressure if it is never below the atmosphere and, driving the stem with an atmosphere taken off,
-leaves less than this share of the error of the position. A chamber that is not the drive has to
-lie so far above the declared model as well: else the stem is another one. Above a dead band no
-atmosphere is steady."""
+"""Share of an error, and distance in Pa. A pressure that drives the booster is absolute if it is
+never below the atmosphere and the declared model, with an atmosphere taken off, leaves less than
+this share of its error. A chamber is also recorded in absolute pressure if it is never below the
+atmosphere and, driving the stem with an atmosphere taken off, leaves less than this share of the
+error of the position. A chamber that is not the drive has to lie so far above the declared model as
+well: else the stem is another one. Above a dead band no atmosphere is steady."""
 
 FAR_TOO_SMALL = 0.05
 FOLLOWS = 0.9
@@ -125,12 +129,14 @@ def check_pressures(
 ) -> None:
     """Raise RecordError where a pressure is in another unit, or absolute, as the model shows."""
     _check_unit_of_drives(experiment, declared, source)
+    _check_gauge_of_drives(experiment, declared, source)
     predicted = experiment.predict(declared)
     for name in ('back_pressure', 'chamber_pressure'):
         if name in predicted:
             _check_unit(name, experiment.measured[name], predicted[name], source)
+            _check_gauge(name, experiment.measured[name] - predicted[name], source)
     if 'chamber_pressure' in predicted:
-        _check_gauge(experiment, declared, predicted['chamber_pressure'], source)
+        _check_chamber_far_above(experiment, declared, predicted['chamber_pressure'], source)
     elif 'chamber_pressure' in experiment.pinned and 'valve_position' in predicted:
         _check_drive_of_stem(experiment, declared, source)
 
@@ -175,18 +181,43 @@ def _alike(measured: Array, predicted: Array) -> float:
     return float(np.corrcoef(measured[both], predicted[both])[0, 1])
 
 
-def _check_gauge(
-    experiment: Experiment, declared: PositionerParameters, predicted: Array, source: str
+def _check_gauge_of_drives(
+    experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
-    above = experiment.measured['chamber_pressure'] - predicted
+    high = [name for name in ('supply_pressure', 'back_pressure')
+            if name in experiment.pinned and np.min(experiment.pinned[name]) > LEAST_ABSOLUTE]
+    if not high:
+        return
+    sizes = _sizes(experiment, declared)
+    given = _miss(experiment, declared, sizes)
+    for names in itertools.chain(*(itertools.combinations(high, n) for n in (1, 2))):
+        less = replace(experiment, pinned={
+            name: values - ATMOSPHERE * (name in names)
+            for name, values in experiment.pinned.items()})
+        if _miss(less, declared, sizes) < MOSTLY_EXPLAINED * given:
+            raise RecordError(
+                f'{source}, column {" and ".join(names)}: the declared model moves as measured '
+                'with an atmosphere less, which looks like absolute pressure: subtract that of '
+                'the atmosphere')
+
+
+def _check_gauge(name: str, above: Array, source: str) -> None:
     if not np.isfinite(above).any():
         return
     low, middle, high = np.nanquantile(above, [0.1, 0.5, 0.9])
     if abs(middle - ATMOSPHERE) < AN_ATMOSPHERE and high - low < STEADY:
         raise RecordError(
-            f'{source}, column chamber_pressure: lies {middle:.4g} Pa above the declared model '
+            f'{source}, column {name}: lies {middle:.4g} Pa above the declared model '
             'throughout, which looks like absolute pressure: subtract that of the atmosphere')
-    if middle > FAR_ABOVE and 'valve_position' in experiment.measured:
+
+
+def _check_chamber_far_above(
+    experiment: Experiment, declared: PositionerParameters, predicted: Array, source: str
+) -> None:
+    above = experiment.measured['chamber_pressure'] - predicted
+    if not np.isfinite(above).any() or 'valve_position' not in experiment.measured:
+        return
+    if np.nanmedian(above) > FAR_ABOVE:
         _check_drive_of_stem(_stem_alone(experiment), declared, source)
 
 
@@ -204,7 +235,7 @@ def _check_drive_of_stem(
 ) -> None:
     pressure = experiment.pinned['chamber_pressure']
     position = experiment.measured['valve_position']
-    if np.min(pressure) < ATMOSPHERE - AN_ATMOSPHERE:
+    if np.min(pressure) < LEAST_ABSOLUTE:
         return
     less = replace(experiment, pinned={
         **experiment.pinned, 'chamber_pressure': pressure - ATMOSPHERE})
@@ -286,24 +317,29 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
     step = float(np.median(np.diff(experiment.time)))
     if USUAL_STEP[0] <= step <= USUAL_STEP[1]:
         return
-    predicted = experiment.predict(declared)
-    # a dead sensor does next to nothing, as a share of which its error would outweigh all else
-    sizes = {name: max(float(np.nanstd(measured)), float(np.std(predicted[name])), SMALLEST)
-             for name, measured in experiment.measured.items()}
-    given = _miss(experiment, predicted, sizes)
+    sizes = _sizes(experiment, declared)
+    given = _miss(experiment, declared, sizes)
     for unit, seconds in SECONDS.items():
         other = replace(experiment, time=seconds * experiment.time)
         suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
-        if suits and _miss(other, other.predict(declared), sizes) < CLEARLY_BETTER * given:
+        if suits and _miss(other, declared, sizes) < CLEARLY_BETTER * given:
             raise RecordError(
                 f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
                 f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
                 'to seconds')
 
 
-def _miss(experiment: Experiment, predicted: Mapping[str, Array], sizes: Mapping[str, float]
+def _sizes(experiment: Experiment, declared: PositionerParameters) -> dict[str, float]:
+    """Return how much each compared channel moves, as measured or in the model."""
+    predicted = experiment.predict(declared)
+    # a dead sensor does next to nothing, as a share of which its error would outweigh all else
+    return {name: max(float(np.nanstd(measured)), float(np.std(predicted[name])), SMALLEST)
+            for name, measured in experiment.measured.items()}
+
+
+def _miss(experiment: Experiment, declared: PositionerParameters, sizes: Mapping[str, float]
           ) -> float:
-    """Return the error of a prediction, summed over channels as shares of their `sizes`."""
-    every = np.ones(len(experiment.time), dtype=bool)
+    """Return the error of the declared model, summed over channels as shares of their `sizes`."""
+    predicted, every = experiment.predict(declared), np.ones(len(experiment.time), dtype=bool)
     return sum(rmse(measured, predicted[name], every) / sizes[name]
                for name, measured in experiment.measured.items())
