@@ -56,6 +56,17 @@ def stepped(plant, levels=(3.6, 4.3, 3.9, 4.5)):
             **{name: run[name] for name in ('chamber_pressure', 'valve_position')}}
 
 
+@pytest.mark.parametrize(('levels', 'total'), [
+    ((4.02, 4.07, 3.69, 4.38), 0.94e-3), ((4.5, 4.29, 4.32, 4.48), 1.17e-3),
+    ((4.08, 3.68, 4.34, 3.85), 1.5e-3)])
+def test_a_reversed_current_is_found_among_many_that_leave_the_valve_open_or_shut(levels, total):
+    columns = stepped(DECLARED, levels)
+    prepare(record_of(**columns), DECLARED)
+    columns['control_current'] = total - columns['control_current']
+    with pytest.raises(RecordError, match=rf'moves as measured with {total:.4g} A less the curr'):
+        prepare(record_of(**columns), DECLARED)
+
+
 def test_an_absolute_pressure_of_a_booster_with_a_dead_band_is_refused():
     columns = stepped(DECLARED._replace(booster=DECLARED.booster._replace(
         intake_preload=0.1, exhaust_preload=0.1)))

@@ -14,11 +14,19 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import spearmanr
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, rmse
+from booster_ros.diagnosis.fitting.side_by_side import side_by_side
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 
 MOSTLY = 0.3
 """Share of the declared model's error that is left with the current reversed, below which it is."""
+
+STARTS = 41
+"""Number of currents, over twice what opens the converter fully, from the best of which the search
+for the current that was taken the other way begins: all but a few leave the valve shut or open."""
+
+NEAR_ENOUGH = 1e-3
+"""Share of the distance of two such currents to which the best is told."""
 
 PRESSURES = ('back_pressure', 'chamber_pressure')
 
@@ -40,7 +48,10 @@ def check_current(experiment: Experiment, declared: PositionerParameters, source
 
     most = float(np.max(experiment.current))
     full = declared.supply.pressure / declared.ep_converter.gain
-    found = minimize_scalar(left, bounds=(most, most + 2.0 * full), method='bounded')
+    totals, step = np.linspace(most, most + 2.0 * full, STARTS, retstep=True)
+    best = totals[int(np.argmin(side_by_side(left, totals)))]
+    found = minimize_scalar(left, bounds=(best - step, best + step), method='bounded',
+                            options={'xatol': NEAR_ENOUGH * step})
     if found.fun < MOSTLY * rmse(measured, experiment.predict(declared)[name], rows):
         raise RecordError(
             f'{source}, column control_current: falls where {name} rises, and the declared model '
