@@ -1,25 +1,23 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Values that are possible in their unit, but cannot be of the declared valve.
+Values that are possible in their unit, but cannot be of the declared valve (see also pressures).
 
-Fitted all the same, they come out as an effect: a chamber recorded in absolute pressure comes out
-as a process that pushes on the plug. Or the search runs for minutes and finds nothing.
+Fitted all the same, they come out as an effect, or the search runs for minutes and finds nothing.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
-import itertools
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment.experiment import UNITS, Experiment, rmse
+from booster_ros.diagnosis.experiment.experiment import UNITS, Experiment
 from booster_ros.diagnosis.fitting.freedom import BENCH, get
+from booster_ros.diagnosis.preparing.likeness import (
+    FOLLOWS, alike, miss, sizes_of, stem_alone)
 from booster_ros.model.ep_converter import settled_back_pressure
-from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
-from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
@@ -35,40 +33,9 @@ BEYOND_SUPPLY = 2.0
 """Multiple of the pressure of the supply: a current is none for the declared converter if even its
 smallest value asks for more."""
 
-AN_ATMOSPHERE = 6e3
-STEADY = 20e3
-"""Tolerances, Pa. A pressure is recorded as absolute if it lies an atmosphere above the declared
-model, within the first, and four fifths of the rows lie above it by the same, within the second."""
-
-LEAST_ABSOLUTE = ATMOSPHERE - AN_ATMOSPHERE
-"""Least absolute pressure in a valve, Pa."""
-
-MOSTLY_EXPLAINED = 0.3
-FAR_ABOVE = 50e3
-"""Share of an error, and distance in Pa. A pressure that drives the booster is absolute if it is
-never below the atmosphere and the declared model, with an atmosphere taken off, leaves less than
-this share of its error. A chamber is also recorded in absolute pressure if it is never below the
-atmosphere and, driving the stem with an atmosphere taken off, leaves less than this share of the
-error of the position. A chamber that is not the drive has to lie so far above the declared model as
-well: else the stem is another one. Above a dead band no atmosphere is steady."""
-
-FAR_TOO_SMALL = 0.05
-FOLLOWS = 0.9
-HUNDRED = 100.0
-"""
-Share of a size, correlation, and factor from mbar to Pa. A pressure is in another unit if it
-follows that of the declared model with more than this correlation, at less than this share of its
-size: in mbar it is a hundredth, and no effect leaves so little of it. A pressure that drives the
-model is in another unit if it is as small beside the declared supply, and the model follows the
-record only with this pressure taken as mbar. A position is reversed if it follows the model as
-closely, but in the other direction.
-"""
-
 STUCK = 0.05
 """Share of the travel, or of the supply: where the declared model moves by more, a reading that
 never changes is that of a sensor, or a valve, that sticks fast."""
-
-SMALLEST = 1e-12
 
 SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'minutes': 60.0,
            'hours': 3600.0, 'days': 86400.0}
@@ -124,131 +91,6 @@ def check_drive(experiment: Experiment, declared: PositionerParameters, source: 
         'off, or leave out a current that did not drive the valve')
 
 
-def check_pressures(
-    experiment: Experiment, declared: PositionerParameters, source: str
-) -> None:
-    """Raise RecordError where a pressure is in another unit, or absolute, as the model shows."""
-    _check_unit_of_drives(experiment, declared, source)
-    _check_gauge_of_drives(experiment, declared, source)
-    predicted = experiment.predict(declared)
-    for name in ('back_pressure', 'chamber_pressure'):
-        if name in predicted:
-            _check_unit(name, experiment.measured[name], predicted[name], source)
-            _check_gauge(name, experiment.measured[name] - predicted[name], source)
-    if 'chamber_pressure' in predicted:
-        _check_chamber_far_above(experiment, declared, predicted['chamber_pressure'], source)
-    elif 'chamber_pressure' in experiment.pinned and 'valve_position' in predicted:
-        _check_drive_of_stem(experiment, declared, source)
-
-
-def _check_unit(name: str, measured: Array, predicted: Array, source: str) -> None:
-    alike = _alike(measured, predicted)
-    share = alike * float(np.nanstd(measured) / max(np.nanstd(predicted), SMALLEST))
-    if alike > FOLLOWS and share < FAR_TOO_SMALL:
-        raise RecordError(
-            f'{source}, column {name}: moves as the declared model does, at {share:.2g} of its '
-            'size: convert the column to Pa, gauge (from mbar: times 100)')
-
-
-def _check_unit_of_drives(
-    experiment: Experiment, declared: PositionerParameters, source: str
-) -> None:
-    small = {name: HUNDRED * values for name, values in experiment.pinned.items()
-             if 0.0 < np.max(values) < FAR_TOO_SMALL * declared.supply.pressure}
-    if not small:
-        return
-    larger = replace(experiment, pinned={**experiment.pinned, **small})
-    if _follows(larger, declared) and not _follows(experiment, declared):
-        most = max(float(np.max(experiment.pinned[name])) for name in small)
-        raise RecordError(
-            f'{source}, column {" and ".join(small)}: never exceeds {most:.4g} Pa, and the '
-            'declared model moves as the record with a hundred times as much: convert to Pa, '
-            'gauge (from mbar: times 100)')
-
-
-def _follows(experiment: Experiment, declared: PositionerParameters) -> bool:
-    """Tell whether the declared model moves as measured, whatever the size."""
-    predicted = experiment.predict(declared)
-    return all(_alike(measured, predicted[name]) > FOLLOWS
-               for name, measured in experiment.measured.items())
-
-
-def _alike(measured: Array, predicted: Array) -> float:
-    """Return the correlation of two channels, 0 where one does not move."""
-    both = np.isfinite(measured) & np.isfinite(predicted)
-    if not both.any() or np.std(predicted[both]) == 0.0 or np.std(measured[both]) == 0.0:
-        return 0.0
-    return float(np.corrcoef(measured[both], predicted[both])[0, 1])
-
-
-def _check_gauge_of_drives(
-    experiment: Experiment, declared: PositionerParameters, source: str
-) -> None:
-    high = [name for name in ('supply_pressure', 'back_pressure')
-            if name in experiment.pinned and np.min(experiment.pinned[name]) > LEAST_ABSOLUTE]
-    if not high:
-        return
-    sizes = _sizes(experiment, declared)
-    given = _miss(experiment, declared, sizes)
-    for names in itertools.chain(*(itertools.combinations(high, n) for n in (1, 2))):
-        less = replace(experiment, pinned={
-            name: values - ATMOSPHERE * (name in names)
-            for name, values in experiment.pinned.items()})
-        if _miss(less, declared, sizes) < MOSTLY_EXPLAINED * given:
-            raise RecordError(
-                f'{source}, column {" and ".join(names)}: the declared model moves as measured '
-                'with an atmosphere less, which looks like absolute pressure: subtract that of '
-                'the atmosphere')
-
-
-def _check_gauge(name: str, above: Array, source: str) -> None:
-    if not np.isfinite(above).any():
-        return
-    low, middle, high = np.nanquantile(above, [0.1, 0.5, 0.9])
-    if abs(middle - ATMOSPHERE) < AN_ATMOSPHERE and high - low < STEADY:
-        raise RecordError(
-            f'{source}, column {name}: lies {middle:.4g} Pa above the declared model '
-            'throughout, which looks like absolute pressure: subtract that of the atmosphere')
-
-
-def _check_chamber_far_above(
-    experiment: Experiment, declared: PositionerParameters, predicted: Array, source: str
-) -> None:
-    above = experiment.measured['chamber_pressure'] - predicted
-    if not np.isfinite(above).any() or 'valve_position' not in experiment.measured:
-        return
-    if np.nanmedian(above) > FAR_ABOVE:
-        _check_drive_of_stem(_stem_alone(experiment), declared, source)
-
-
-def _stem_alone(experiment: Experiment) -> Experiment:
-    """Return the experiment with the stem driven by the measured pressure."""
-    pressure = bridged(experiment.time, experiment.measured['chamber_pressure'])
-    return replace(
-        experiment, current=np.zeros_like(experiment.current),
-        measured={'valve_position': experiment.measured['valve_position']},
-        pinned={**experiment.pinned, 'chamber_pressure': pressure})
-
-
-def _check_drive_of_stem(
-    experiment: Experiment, declared: PositionerParameters, source: str
-) -> None:
-    pressure = experiment.pinned['chamber_pressure']
-    position = experiment.measured['valve_position']
-    if np.min(pressure) < LEAST_ABSOLUTE:
-        return
-    less = replace(experiment, pinned={
-        **experiment.pinned, 'chamber_pressure': pressure - ATMOSPHERE})
-    every = np.ones(len(position), dtype=bool)
-    given, lowered = (rmse(position, one.predict(declared)['valve_position'], every)
-                      for one in (experiment, less))
-    if lowered < MOSTLY_EXPLAINED * given:
-        raise RecordError(
-            f'{source}, column chamber_pressure: is never below {np.min(pressure):.4g} Pa, and the '
-            'declared stem moves as measured with an atmosphere less, which looks like absolute '
-            'pressure: subtract that of the atmosphere')
-
-
 def check_direction(
     experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
@@ -256,7 +98,7 @@ def check_direction(
     position = experiment.measured.get('valve_position')
     if position is None or not np.isfinite(position).any():
         return
-    if _alike(position, _driven(experiment).predict(declared)['valve_position']) >= -FOLLOWS:
+    if alike(position, _driven(experiment).predict(declared)['valve_position']) >= -FOLLOWS:
         return
     if np.nansum(position) < 0.0:
         raise RecordError(
@@ -271,7 +113,7 @@ def check_direction(
 def _driven(experiment: Experiment) -> Experiment:
     """Return the experiment with the stem driven by the measured pressure, if there is one."""
     seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
-    return _stem_alone(experiment) if seen else experiment
+    return stem_alone(experiment) if seen else experiment
 
 
 def without_stuck(
@@ -317,29 +159,13 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
     step = float(np.median(np.diff(experiment.time)))
     if USUAL_STEP[0] <= step <= USUAL_STEP[1]:
         return
-    sizes = _sizes(experiment, declared)
-    given = _miss(experiment, declared, sizes)
+    sizes = sizes_of(experiment, declared)
+    given = miss(experiment, declared, sizes)
     for unit, seconds in SECONDS.items():
         other = replace(experiment, time=seconds * experiment.time)
         suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
-        if suits and _miss(other, declared, sizes) < CLEARLY_BETTER * given:
+        if suits and miss(other, declared, sizes) < CLEARLY_BETTER * given:
             raise RecordError(
                 f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
                 f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
                 'to seconds')
-
-
-def _sizes(experiment: Experiment, declared: PositionerParameters) -> dict[str, float]:
-    """Return how much each compared channel moves, as measured or in the model."""
-    predicted = experiment.predict(declared)
-    # a dead sensor does next to nothing, as a share of which its error would outweigh all else
-    return {name: max(float(np.nanstd(measured)), float(np.std(predicted[name])), SMALLEST)
-            for name, measured in experiment.measured.items()}
-
-
-def _miss(experiment: Experiment, declared: PositionerParameters, sizes: Mapping[str, float]
-          ) -> float:
-    """Return the error of the declared model, summed over channels as shares of their `sizes`."""
-    predicted, every = experiment.predict(declared), np.ones(len(experiment.time), dtype=bool)
-    return sum(rmse(measured, predicted[name], every) / sizes[name]
-               for name, measured in experiment.measured.items())

@@ -17,8 +17,8 @@ from booster_ros.diagnosis.preparing.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.preparing.late_commands import (
     commands_may_be_late, with_noise_of_timing)
 from booster_ros.diagnosis.preparing.plausibility import (
-    check_bench, check_clock, check_direction, check_drive, check_pressures, stands_still,
-    without_stuck)
+    check_bench, check_clock, check_direction, check_drive, stands_still, without_stuck)
+from booster_ros.diagnosis.preparing.pressures import check_pressures
 from booster_ros.diagnosis.preparing.reversed_current import check_current
 from booster_ros.diagnosis.preparing.rows import (
     FEWEST_ROWS, Rows, aligned, between_samples)
