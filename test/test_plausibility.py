@@ -58,7 +58,7 @@ def stepped(plant, levels=(3.6, 4.3, 3.9, 4.5)):
 
 @pytest.mark.parametrize(('levels', 'total'), [
     ((4.02, 4.07, 3.69, 4.38), 0.94e-3), ((4.5, 4.29, 4.32, 4.48), 1.17e-3),
-    ((4.08, 3.68, 4.34, 3.85), 1.5e-3)])
+    ((4.08, 3.68, 4.34, 3.85), 1.5e-3), ((3.97, 4.12, 4.02, 4.2), 1.4e-3)])
 def test_a_reversed_current_is_found_among_many_that_leave_the_valve_open_or_shut(levels, total):
     columns = stepped(DECLARED, levels)
     prepare(record_of(**columns), DECLARED)
