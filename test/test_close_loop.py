@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """`close_loop` as a process: what it writes, what it refuses, and what an interruption leaves."""
 
+import errno
 import io
 import json
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -148,7 +150,32 @@ def test_a_result_that_would_replace_an_input_or_a_folder_is_refused_before_it_i
     assert_refused(close_loop(*run, '--out', tmp_path / 'out'), 'report.json', 'is a folder')
     assert_refused(close_loop(*run, '--out', tmp_path / 'new', '--validation', record),
                    str(record), 'is the record itself')
+    copy = tmp_path / 'copy.csv'
+    copy.write_bytes(record.read_bytes())
+    assert_refused(close_loop(*run, '--out', tmp_path / 'new', '--validation', copy),
+                   str(copy), 'has the rows of the record itself')
     assert not (tmp_path / 'new').exists()
+
+
+def test_a_folder_that_cannot_be_written_is_named_as_it_was_given(
+        tmp_path, declared, record, monkeypatch, capsys):
+    def refuse(path):
+        raise PermissionError(errno.EACCES, 'Permission denied', str(path))
+
+    monkeypatch.setattr(Path, 'mkdir', refuse)
+    out = tmp_path / 'out'
+    asked = ['--record', str(record), '--params', str(declared), '--out', str(out)]
+    assert program.main(asked) == 2
+    assert capsys.readouterr().err == f'close_loop: {out}: Permission denied\n'
+
+
+def test_declared_pressures_in_kpa_are_refused(tmp_path, declared, record):
+    for line, name in (('supply: {pressure: 400.0}', 'supply.pressure'),
+                       ('actuator: {bench_set: [150.0, 300.0]}', 'actuator.bench_set')):
+        declared.write_text(f'/**:\n  ros__parameters:\n    {line}\n')
+        assert_refused(
+            close_loop('--record', record, '--params', declared, '--out', tmp_path / 'out'),
+            f'{declared}, {name}: ', '00 Pa looks like kPa')
 
 
 @pytest.mark.parametrize('arguments', [
@@ -192,6 +219,7 @@ def no_search(monkeypatch):
 def test_what_a_record_was_taken_for_is_said_before_the_search(tmp_path, declared, capsys):
     sweep = swept_columns()
     first = write(tmp_path / 'first.csv', {'counter': np.arange(60.0)} | sweep)
+    sweep['valve_position'] = sweep['valve_position'][::-1]
     second = write(tmp_path / 'second.csv', sweep)
     status = program.main(['--record', str(first), '--params', str(declared), '--validation',
                            str(second), '--out', str(tmp_path / 'out')])

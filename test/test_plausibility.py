@@ -36,6 +36,7 @@ def test_a_sweep_in_absolute_pressure_is_refused():
     ('control_current', lambda i: 8.2e-4 - i, 'less the current'),
     ('control_current', lambda i: np.max(i) - i, 'less the current'),
     ('time', lambda t: 1e3 * t, 'if they are 100 milliseconds apart'),
+    ('time', lambda t: 1e6 * t, 'if they are 1e+05 microseconds apart'),
     ('time', lambda t: t / 3600.0, 'hours apart'),
 ])
 def test_values_of_another_scale_are_refused_before_they_become_an_effect(column, wrong, says):
@@ -45,6 +46,25 @@ def test_values_of_another_scale_are_refused_before_they_become_an_effect(column
     with pytest.raises(RecordError, match=rf'^plant\.csv, column {column}: ') as caught:
         prepare(record_of(**columns), DECLARED)
     assert says in str(caught.value)
+
+
+def test_time_in_ms_of_rows_that_are_one_apart_is_refused():
+    columns = step_test()
+    fast = np.arange(0.0, columns['time'][-1], 1e-3)
+    columns = {name: np.interp(fast, columns['time'], values) for name, values in columns.items()}
+    prepare(record_of(**columns), DECLARED)
+    with pytest.raises(RecordError, match='if they are 1 milliseconds apart'):
+        prepare(record_of(**columns | {'time': np.arange(float(len(fast)))}), DECLARED)
+
+
+def test_a_pressure_in_mbar_is_refused_though_the_model_does_not_follow_it_closely():
+    """Something swings in it that the model lacks."""
+    columns = step_test()
+    columns['chamber_pressure'] += 7e3 * np.sin(3.0 * columns['time'])
+    prepare(record_of(**columns), DECLARED)
+    columns['chamber_pressure'] *= 0.01
+    with pytest.raises(RecordError, match='from mbar'):
+        prepare(record_of(**columns), DECLARED)
 
 
 def stepped(plant, levels=(3.6, 4.3, 3.9, 4.5)):
@@ -58,7 +78,7 @@ def stepped(plant, levels=(3.6, 4.3, 3.9, 4.5)):
 
 @pytest.mark.parametrize(('levels', 'total'), [
     ((4.02, 4.07, 3.69, 4.38), 0.94e-3), ((4.5, 4.29, 4.32, 4.48), 1.17e-3),
-    ((4.08, 3.68, 4.34, 3.85), 1.5e-3), ((3.97, 4.12, 4.02, 4.2), 1.4e-3)])
+    ((4.08, 3.68, 4.34, 3.85), 1.5e-3)])
 def test_a_reversed_current_is_found_among_many_that_leave_the_valve_open_or_shut(levels, total):
     columns = stepped(DECLARED, levels)
     prepare(record_of(**columns), DECLARED)

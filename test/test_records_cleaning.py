@@ -142,6 +142,13 @@ def test_rows_of_one_stamp_that_have_a_channel_each_are_one_row(tmp_path):
     assert not defects(record, 'missing_command')
 
 
+def test_stamps_that_are_cut_to_whole_seconds_are_refused(tmp_path):
+    lines = good_lines()
+    few = [lines[0], *(f'{k // 20},{line.split(",", 1)[1]}' for k, line in enumerate(lines[1:]))]
+    with pytest.raises(RecordError, match='time: has 3 stamps in 50 rows: write it with more dig'):
+        read_lines(tmp_path, few)
+
+
 def test_what_a_stamp_lacks_altogether_is_not_taken_from_another_one(tmp_path):
     lines = good_lines()
     time, current, _, position = lines[9].split(',')

@@ -93,6 +93,11 @@ def test_refusals_say_where_and_why(tmp_path, lines, says):
     assert '\n' not in str(refusal.value)
 
 
+def test_a_word_among_the_numbers_of_the_first_row_is_no_row_of_units(tmp_path):
+    with pytest.raises(RecordError, match=r"'Bad' is not a number$"):
+        read_lines(tmp_path, replaced(2, '0.0,0.0004,Bad,0'))
+
+
 @pytest.mark.parametrize(('content', 'says'), [
     (b'', 'the first row is empty'),
     ('time,chamber_pressure\n0,1\n'.encode('utf-16'), 'not a CSV in UTF-8 but UTF-16'),

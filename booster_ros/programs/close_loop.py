@@ -14,10 +14,13 @@ import shutil
 import sys
 from typing import Any
 
+import numpy as np
+
 from ..diagnosis.calibration import calibrated
 from ..diagnosis.change import since_change
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.experiment.experiment import Experiment
+from ..diagnosis.preparing.plausibility import check_declared
 from ..diagnosis.preparing.preparation import prepare
 from ..diagnosis.preparing.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
@@ -52,7 +55,9 @@ def main(args: Sequence[str] | None = None) -> int:
         print(f'close_loop: {error}', file=sys.stderr)
         return 2
     except OSError as error:
-        print(f'close_loop: {error.filename or options.out}: {error.strerror}', file=sys.stderr)
+        hidden = '.close_loop.' in str(error.filename or '')  # where results are prepared
+        place = options.out if hidden else error.filename or options.out
+        print(f'close_loop: {place}: {error.strerror}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print('close_loop: interrupted, nothing was written', file=sys.stderr)
@@ -69,6 +74,7 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
     _check_options(options)
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
+    check_declared(declared, str(options.params))
     (record, experiment, notes), *others = _experiments(options, declared)
     with _output_folder(options.out) as folder:
         _tell_notes(options, [notes, *(more for _, _, more in others)])
@@ -162,9 +168,19 @@ def _experiments(
         read_record(path, dict(options.topics), options.stamps) for path in _given(options)]
     if options.dwell and all('time' in record for record in records):
         raise RecordError(_useless('--dwell', 'a sweep without time', options))
+    if len(records) > 1 and _same_rows(*records):
+        raise RecordError(f'{options.validation}: has the rows of the record itself; --validation '
+                          'takes another one')
     experiments = [prepare(record, declared, options.dwell) for record in records]
     return [(record, experiment, (*record.notes, *experiment.notes))
             for record, experiment in zip(records, experiments, strict=True)]
+
+
+def _same_rows(record: Record, other: Record) -> bool:
+    """Tell whether two records are one, in two files."""
+    return record.columns.keys() == other.columns.keys() and all(
+        np.array_equal(values, other[name], equal_nan=True)
+        for name, values in record.columns.items())
 
 
 def _tell_notes(options: argparse.Namespace, notes: Sequence[Sequence[str]]) -> None:

@@ -23,6 +23,7 @@ _EPOCH_SECONDS = 1e8
 _LARGEST_GRID = 2**16
 _WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 _FEWEST_ROWS = 200
+_MOST_REPEATED = 0.9  # a row for each channel repeats five of six stamps
 _WILD, _NOISY, _ALIKE = 0.3, 15.0, 10.0
 _USUAL, _USUALLY, _STRAIGHT = 4.0, 0.98, 0.01
 _AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
@@ -106,6 +107,10 @@ def _drop_duplicated_stamps(
         raise RecordError(f'{source}, row {rows[1]}, column time: stands still in all rows')
     if not repeated.any():
         return columns, rows, []
+    if np.mean(repeated) > _MOST_REPEATED:
+        raise RecordError(
+            f'{source}, column time: has {np.count_nonzero(~repeated)} stamps in {len(rows)} rows: '
+            'write it with more digits')
     begins = np.append(True, steps > 0.0)
     since = np.flatnonzero(begins)[np.cumsum(begins) - 1]
     merged = {name: held(values, since) for name, values in columns.items()}

@@ -110,8 +110,10 @@ def _parse_line(text: str, row: int, header: Header, source: str) -> list[float]
         raise RecordError(
             f'{source}, row {row}: {len(cells)} cells where the header has {header.width}{hint}'
         )
+    units = row == 2 and not any(map(str.isdigit, text))
+    hint = ' (remove the row of units below the header)' if units else ''
     return [
-        _number(cells[place], row, name, header, source)
+        _number(cells[place], row, name, header, source, hint)
         for name, place in header.positions.items()
     ]
 
@@ -125,7 +127,9 @@ def _split(text: str, row: int, header: Header, source: str) -> list[str]:
         raise RecordError(f'{source}, row {row}: the quotes do not match ({error})') from None
 
 
-def _number(cell: str, row: int, name: str, header: Header, source: str) -> float:
+def _number(
+    cell: str, row: int, name: str, header: Header, source: str, hint: str
+) -> float:
     text = cell.strip()
     if text.lower() in _MISSING:
         return float('nan')
@@ -137,8 +141,6 @@ def _number(cell: str, row: int, name: str, header: Header, source: str) -> floa
             raise ValueError
         return float(text)
     except ValueError:
-        units = row == 2 and not any(character.isdigit() for character in text)
-        hint = ' (remove the row of units below the header)' if units else ''
         raise RecordError(
             f'{source}, row {row}, column {name}: {cell.strip()[:40]!r} is not a number{hint}'
         ) from None

@@ -18,6 +18,7 @@ from booster_ros.diagnosis.preparing.likeness import (
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
+from booster_ros.records.units import LARGEST_KILOPASCALS
 
 Array = np.ndarray
 
@@ -41,9 +42,22 @@ SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'min
            'hours': 3600.0, 'days': 86400.0}
 USUAL_STEP = (1e-3, 1.0)
 CLEARLY_BETTER = 0.5
-"""Usual distance of rows in seconds, and share of an error. Time is in another unit if rows are
-not so far apart, would be in that unit, and the declared model then leaves less than this share of
-its error."""
+"""Usual distance of rows in seconds, below the second, and share of an error. Time is in another
+unit if rows are not so far apart, would be in that unit, and the declared model then leaves less
+than this share of its error."""
+
+SETTLED, FEW = 30.0, 400
+"""Distance of rows, s, at which a valve has settled at each, and a number of such rows that tells
+how the declared model does: what lasts for months in microseconds is not run through."""
+
+
+def check_declared(declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where a declared pressure is too small to be in pascals."""
+    for name, pressure in (('supply.pressure', declared.supply.pressure),
+                           ('actuator.bench_set', max(declared.actuator.bench_set))):
+        if 0.0 < pressure < LARGEST_KILOPASCALS:
+            raise RecordError(f'{source}, {name}: {pressure:g} Pa looks like kPa, bar, MPa or psi: '
+                              'give it in Pa, gauge')
 
 
 def check_scales(
@@ -157,10 +171,11 @@ def stands_still(values: Array) -> bool:
 def check_clock(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
     """Raise RecordError where time is in another unit than s, as the declared model shows."""
     step = float(np.median(np.diff(experiment.time)))
-    if USUAL_STEP[0] <= step <= USUAL_STEP[1]:
+    if USUAL_STEP[0] <= step < USUAL_STEP[1]:
         return
-    sizes = sizes_of(experiment, declared)
-    given = miss(experiment, declared, sizes)
+    as_given = _closer(experiment) if step > SETTLED else experiment
+    sizes = sizes_of(as_given, declared)
+    given = miss(as_given, declared, sizes)
     for unit, seconds in SECONDS.items():
         other = replace(experiment, time=seconds * experiment.time)
         suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
@@ -169,3 +184,9 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
                 f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
                 f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
                 'to seconds')
+
+
+def _closer(experiment: Experiment) -> Experiment:
+    """Return fewer rows, each of which stands until everything has settled, and no longer."""
+    thin, _ = experiment.thinned(max(len(experiment.time) // FEW, 1))
+    return replace(thin, time=SETTLED * np.arange(len(thin.time)))

@@ -14,7 +14,7 @@ import numpy as np
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, rmse
 from booster_ros.diagnosis.preparing.likeness import (
-    FOLLOWS, SMALLEST, alike, follows, miss, sizes_of, stem_alone)
+    SMALLEST, alike, follows, miss, sizes_of, stem_alone)
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -42,13 +42,14 @@ FILLED_BEYOND = 0.05
 """Share of the declared supply by which a chamber may rise above the largest pressure of the
 recorded one: a sensor that is off. Trapped air may be above any supply, but it does not rise."""
 
-FAR_TOO_SMALL = 0.05
+FAR_TOO_SMALL, ALIKE = 0.05, 0.8
 HUNDRED = 100.0
 """
-Share of a size, and factor from mbar to Pa. A pressure is in another unit if it follows that of the
-declared model at less than this share of its size: in mbar it is a hundredth, and no effect leaves
-so little of it. A pressure that drives the model is in another unit if it is as small beside the
-declared supply, and the model follows the record only with this pressure taken as mbar.
+Share of a size, correlation, and factor from mbar to Pa. A pressure is in another unit if it goes
+with that of the declared model, by this correlation, at less than this share of its size: in mbar
+it is a hundredth, and no effect leaves so little of it. A pressure that drives the model is in
+another unit if it is as small beside the declared supply, and the model follows the record only
+with this pressure taken as mbar.
 """
 
 
@@ -92,7 +93,7 @@ def _check_supply(
 def _check_unit(name: str, measured: Array, predicted: Array, source: str) -> None:
     likeness = alike(measured, predicted)
     share = likeness * float(np.nanstd(measured) / max(np.nanstd(predicted), SMALLEST))
-    if likeness > FOLLOWS and share < FAR_TOO_SMALL:
+    if likeness > ALIKE and share < FAR_TOO_SMALL:
         raise RecordError(
             f'{source}, column {name}: moves as the declared model does, at {share:.2g} of its '
             'size: convert the column to Pa, gauge (from mbar: times 100)')

@@ -15,11 +15,15 @@ from scipy.stats import spearmanr
 
 from booster_ros.diagnosis.experiment.experiment import Experiment, rmse
 from booster_ros.diagnosis.fitting.side_by_side import side_by_side
+from booster_ros.diagnosis.preparing.likeness import FOLLOWS, alike
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 
+Array = np.ndarray
+
 MOSTLY = 0.3
-"""Share of the declared model's error that is left with the current reversed, below which it is."""
+"""Share of the declared model's error that is left with the current reversed, below which it is if
+the model then moves as measured."""
 
 STARTS = 41
 """Number of currents, over twice what opens the converter fully, from the best of which the search
@@ -27,10 +31,6 @@ for the current that was taken the other way begins: all but a few leave the val
 
 NEAR_ENOUGH = 1e-3
 """Share of the distance of two such currents to which the best is told."""
-
-DIRECT = 0.5
-"""Rank correlation with the pressure above which a current is not reversed. A slow chamber may well
-follow a reversed one with less."""
 
 PRESSURES = ('back_pressure', 'chamber_pressure')
 
@@ -43,12 +43,14 @@ def check_current(experiment: Experiment, declared: PositionerParameters, source
     measured = experiment.measured[name]
     rows = np.isfinite(measured)
     both = experiment.current[rows], measured[rows]
-    if any(len(np.unique(each)) < 2 for each in both) or spearmanr(*both).statistic > DIRECT:
+    if any(len(np.unique(each)) < 2 for each in both) or spearmanr(*both).statistic >= 0.0:
         return
 
+    def turned(total: float) -> Array:
+        return replace(experiment, current=total - experiment.current).predict(declared)[name]
+
     def left(total: float) -> float:
-        turned = replace(experiment, current=total - experiment.current)
-        return rmse(measured, turned.predict(declared)[name], rows)
+        return rmse(measured, turned(total), rows)
 
     most = float(np.max(experiment.current))
     full = declared.supply.pressure / declared.ep_converter.gain
@@ -56,7 +58,8 @@ def check_current(experiment: Experiment, declared: PositionerParameters, source
     best = totals[int(np.argmin(side_by_side(left, totals)))]
     found = minimize_scalar(left, bounds=(best - step, best + step), method='bounded',
                             options={'xatol': NEAR_ENOUGH * step})
-    if found.fun < MOSTLY * rmse(measured, experiment.predict(declared)[name], rows):
+    given = rmse(measured, experiment.predict(declared)[name], rows)
+    if found.fun < MOSTLY * given and alike(measured, turned(found.x)) > FOLLOWS:
         raise RecordError(
             f'{source}, column control_current: the declared model moves as measured with '
             f'{found.x:.4g} A less the current: the converter is reverse-acting, or the wires are '
