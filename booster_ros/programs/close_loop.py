@@ -14,8 +14,6 @@ import shutil
 import sys
 from typing import Any
 
-import numpy as np
-
 from ..diagnosis.calibration import calibrated
 from ..diagnosis.change import since_change
 from ..diagnosis.diagnose import diagnose
@@ -42,6 +40,9 @@ from .progress_bar import ProgressBar
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
 
+WORKING = '.close_loop.'
+"""How the name of the folder begins in which these are made, beside that of the result."""
+
 SEED = 1
 
 
@@ -55,7 +56,7 @@ def main(args: Sequence[str] | None = None) -> int:
         print(f'close_loop: {error}', file=sys.stderr)
         return 2
     except OSError as error:
-        hidden = '.close_loop.' in str(error.filename or '')  # where results are prepared
+        hidden = WORKING in str(error.filename or '')
         place = options.out if hidden else error.filename or options.out
         print(f'close_loop: {place}: {error.strerror}', file=sys.stderr)
         return 2
@@ -168,19 +169,12 @@ def _experiments(
         read_record(path, dict(options.topics), options.stamps) for path in _given(options)]
     if options.dwell and all('time' in record for record in records):
         raise RecordError(_useless('--dwell', 'a sweep without time', options))
-    if len(records) > 1 and _same_rows(*records):
+    if len(records) > 1 and records[0].has_rows_of(records[1]):
         raise RecordError(f'{options.validation}: has the rows of the record itself; --validation '
                           'takes another one')
     experiments = [prepare(record, declared, options.dwell) for record in records]
     return [(record, experiment, (*record.notes, *experiment.notes))
             for record, experiment in zip(records, experiments, strict=True)]
-
-
-def _same_rows(record: Record, other: Record) -> bool:
-    """Tell whether two records are one, in two files."""
-    return record.columns.keys() == other.columns.keys() and all(
-        np.array_equal(values, other[name], equal_nan=True)
-        for name, values in record.columns.items())
 
 
 def _tell_notes(options: argparse.Namespace, notes: Sequence[Sequence[str]]) -> None:
@@ -226,7 +220,7 @@ def _output_folder(out: Path) -> Iterator[Path]:
     nearest = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
     if not nearest.is_dir():
         raise RecordError(f'{nearest}: is not a folder')
-    work = nearest / f'.close_loop.{os.getpid()}'
+    work = nearest / f'{WORKING}{os.getpid()}'
     try:  # before the folder exists: an interruption may come the moment it does
         shutil.rmtree(work, ignore_errors=True)  # left by a killed process of this number
         work.mkdir()

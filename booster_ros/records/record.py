@@ -101,6 +101,12 @@ class Record:
         """Say whether the record has the column."""
         return column in self.columns
 
+    def has_rows_of(self, other: 'Record') -> bool:
+        """Tell whether two records, in two files, are one."""
+        return self.columns.keys() == other.columns.keys() and all(
+            np.array_equal(values, other[name], equal_nan=True)
+            for name, values in self.columns.items())
+
     def __getitem__(self, column: str) -> Array:
         """Return the values of a column."""
         return self.columns[column]

@@ -43,17 +43,16 @@ def stem_alone(experiment: Experiment) -> Experiment:
         pinned={**experiment.pinned, 'chamber_pressure': pressure})
 
 
-def sizes_of(experiment: Experiment, declared: PositionerParameters) -> dict[str, float]:
-    """Return how much each compared channel moves, as measured or in the model."""
-    predicted = experiment.predict(declared)
+def sizes_of(experiment: Experiment, predicted: Mapping[str, Array]) -> dict[str, float]:
+    """Return how much each compared channel moves, as measured or as predicted."""
     # a dead sensor does next to nothing, as a share of which its error would outweigh all else
     return {name: max(float(np.nanstd(measured)), float(np.std(predicted[name])), SMALLEST)
             for name, measured in experiment.measured.items()}
 
 
-def miss(experiment: Experiment, declared: PositionerParameters, sizes: Mapping[str, float]
+def miss(experiment: Experiment, predicted: Mapping[str, Array], sizes: Mapping[str, float]
          ) -> float:
-    """Return the error of the declared model, summed over channels as shares of their `sizes`."""
-    predicted, every = experiment.predict(declared), np.ones(len(experiment.time), dtype=bool)
+    """Return the error of a prediction, summed over channels as shares of their `sizes`."""
+    every = np.ones(len(experiment.time), dtype=bool)
     return sum(rmse(measured, predicted[name], every) / sizes[name]
                for name, measured in experiment.measured.items())

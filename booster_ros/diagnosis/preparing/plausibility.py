@@ -174,12 +174,13 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
     if USUAL_STEP[0] <= step < USUAL_STEP[1]:
         return
     as_given = _closer(experiment) if step > SETTLED else experiment
-    sizes = sizes_of(as_given, declared)
-    given = miss(as_given, declared, sizes)
+    predicted = as_given.predict(declared)
+    sizes = sizes_of(as_given, predicted)
+    given = miss(as_given, predicted, sizes)
     for unit, seconds in SECONDS.items():
         other = replace(experiment, time=seconds * experiment.time)
         suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
-        if suits and miss(other, declared, sizes) < CLEARLY_BETTER * given:
+        if suits and miss(other, other.predict(declared), sizes) < CLEARLY_BETTER * given:
             raise RecordError(
                 f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
                 f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '

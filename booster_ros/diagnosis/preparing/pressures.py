@@ -7,6 +7,7 @@ Fitted all the same, they come out as an effect: a chamber recorded in absolute 
 as a process that pushes on the plug, a supply as a dead band.
 """
 
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 import itertools
 
@@ -58,8 +59,8 @@ def check_pressures(
 ) -> None:
     """Raise RecordError where a pressure is in another unit, or absolute, or none of this valve."""
     _check_unit_of_drives(experiment, declared, source)
-    _check_gauge_of_drives(experiment, declared, source)
     predicted = experiment.predict(declared)
+    _check_gauge_of_drives(experiment, declared, predicted, source)
     for name in ('back_pressure', 'chamber_pressure'):
         if name in predicted:
             _check_unit(name, experiment.measured[name], predicted[name], source)
@@ -115,23 +116,29 @@ def _check_unit_of_drives(
 
 
 def _check_gauge_of_drives(
-    experiment: Experiment, declared: PositionerParameters, source: str
+    experiment: Experiment, declared: PositionerParameters, predicted: Mapping[str, Array],
+    source: str
 ) -> None:
     high = [name for name in ('supply_pressure', 'back_pressure')
             if name in experiment.pinned and np.min(experiment.pinned[name]) > LEAST_ABSOLUTE]
     if not high:
         return
-    sizes = sizes_of(experiment, declared)
-    given = miss(experiment, declared, sizes)
+    sizes = sizes_of(experiment, predicted)
+    given = miss(experiment, predicted, sizes)
     for names in itertools.chain(*(itertools.combinations(high, n) for n in (1, 2))):
-        less = replace(experiment, pinned={
-            name: values - ATMOSPHERE * (name in names)
-            for name, values in experiment.pinned.items()})
-        if miss(less, declared, sizes) < MOSTLY_EXPLAINED * given:
+        less = _with_an_atmosphere_less(experiment, names)
+        if miss(less, less.predict(declared), sizes) < MOSTLY_EXPLAINED * given:
             raise RecordError(
                 f'{source}, column {" and ".join(names)}: the declared model moves as measured '
                 'with an atmosphere less, which looks like absolute pressure: subtract that of '
                 'the atmosphere')
+
+
+def _with_an_atmosphere_less(experiment: Experiment, names: Collection[str]) -> Experiment:
+    """Return the experiment with an atmosphere taken off these pressures, which drive it."""
+    return replace(experiment, pinned={
+        name: values - ATMOSPHERE if name in names else values
+        for name, values in experiment.pinned.items()})
 
 
 def _check_gauge(name: str, above: Array, source: str) -> None:
@@ -161,8 +168,7 @@ def _check_drive_of_stem(
     position = experiment.measured['valve_position']
     if np.min(pressure) < LEAST_ABSOLUTE:
         return
-    less = replace(experiment, pinned={
-        **experiment.pinned, 'chamber_pressure': pressure - ATMOSPHERE})
+    less = _with_an_atmosphere_less(experiment, ['chamber_pressure'])
     every = np.ones(len(position), dtype=bool)
     given, lowered = (rmse(position, one.predict(declared)['valve_position'], every)
                       for one in (experiment, less))
