@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment.experiment import UNITS, rmse
-from booster_ros.diagnosis.experiment.segments import rows_of, split, split_sweep
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.data.experiment import UNITS, rmse
+from booster_ros.diagnosis.data.blocks import rows_of, split, split_sweep
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.result import (
     ChannelError,
     Diagnosis,
@@ -19,7 +19,7 @@ from booster_ros.diagnosis.result import (
     Suspect,
     UnknownTerm,
 )
-from booster_ros.diagnosis.validation import validated
+from booster_ros.diagnosis.judging.validation import validated
 from booster_ros.model import discrepancy
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters

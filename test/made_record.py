@@ -5,7 +5,7 @@
 from made_diagnosis import DECLARED, record_of as cleaned
 import numpy as np
 
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 
 ROWS = 400

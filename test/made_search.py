@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.experiment.segments import split
-from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.data.blocks import split
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.searching.backward import compared
 from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.search import Search

@@ -9,13 +9,13 @@ from made_effect import add_effect
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.diagnose import less_the_locked_part
-from booster_ros.diagnosis.experiment.segments import rows_of, split
-from booster_ros.diagnosis.fitting.applicable import applicable, free_to_refit, matters
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
-from booster_ros.diagnosis.preparing.preparation import prepare
-from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.diagnosis.pipeline import less_the_locked_part
+from booster_ros.diagnosis.data.blocks import rows_of, split
+from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit, matters
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, put
+from booster_ros.diagnosis.prepare.preparation import prepare
+from booster_ros.diagnosis.selection.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.gas import ISENTROPIC
 

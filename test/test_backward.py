@@ -8,7 +8,7 @@ from made_search import (
     LEAKING, P, RUBBING, STEPS, searching, seen, standing_at, steps_seen)
 import pytest
 
-from booster_ros.diagnosis.fitting.intervals import left_of
+from booster_ros.diagnosis.estimation.uncertainty import left_of
 from booster_ros.diagnosis.searching.backward import (
     _backward, _pruned, _two_in_its_place, _without)
 from booster_ros.model.parameters import from_values

@@ -7,7 +7,7 @@ from dataclasses import replace
 from made_search import CURRENT, P, searching, seen
 import pytest
 
-from booster_ros.diagnosis.fitting.freedom import put
+from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.searching.birthplace import called_for_above, where_born
 from booster_ros.diagnosis.searching.search import PLACES
 from booster_ros.model.catalogue import EFFECTS

@@ -15,10 +15,10 @@ from made_diagnosis import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.calibration import calibrated, repeats
-from booster_ros.diagnosis.experiment.experiment import DriveNoise
-from booster_ros.diagnosis.experiment.noise_colour import Noise
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.judging.false_positive_rate import calibrated, repeats
+from booster_ros.diagnosis.data.experiment import DriveNoise
+from booster_ros.signals.noise_autocorrelation import Noise
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.parameters.file import write_parameter_file

@@ -8,7 +8,7 @@ from made_search import P, searching, seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.searching.candidate import (
     clearly_better, clears, gain, shows_faintly, told_apart)
 

@@ -7,7 +7,7 @@ from made_search import LEAKING, P, RUBBING, searching, seen, standing_at
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.searching.cascade import (
+from booster_ros.diagnosis.hypotheses.subsystem import (
     above_the_stem, as_seen_above, shows_above_the_stem)
 
 

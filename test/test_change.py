@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis import change
-from booster_ros.diagnosis.change import since_change
+from booster_ros.diagnosis.judging.change_point import since_change
 from booster_ros.report.wording import verdict_sentences, verdict_title
 
 SECONDS = 60.0

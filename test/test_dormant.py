@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.fitting import fit as fit_module
-from booster_ros.diagnosis.fitting.dormant import place_beyond
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom
-from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.diagnosis.estimation.inactive import place_beyond
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
+from booster_ros.diagnosis.selection.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
 
 LEVELS = np.array(

@@ -7,9 +7,9 @@ from made_record import BACK, CHAMBER, FLOW, ROWS, misfits, record_of, step_test
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import DriveNoise
-from booster_ros.diagnosis.experiment.noise_colour import Noise
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.data.experiment import DriveNoise
+from booster_ros.signals.noise_autocorrelation import Noise
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 
 

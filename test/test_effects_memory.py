@@ -6,9 +6,9 @@ import numpy as np
 from positioner_runs import current_for, follow_pressure, positioner, rows, settled_at
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.searching.course import followed
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.hypotheses.regressor import followed
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import Plant, simulate
 

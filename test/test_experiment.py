@@ -6,7 +6,7 @@ from made_diagnosis import DECLARED
 from made_record import ROWS, record_of, step_test
 import numpy as np
 
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 
 

@@ -9,11 +9,11 @@ from made_search import CURRENT, P, TIME, everywhere, searching, seen, standing_
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.fitting.fit import START, Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom, possible_departures, put
-from booster_ros.diagnosis.fitting.intervals import interval_of
-from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.estimation.problem import START, Problem
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, possible_departures, put
+from booster_ros.diagnosis.estimation.uncertainty import interval_of
+from booster_ros.diagnosis.selection.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate

@@ -10,7 +10,7 @@ from made_search import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.freedom import put
+from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.searching import forward
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
 from booster_ros.diagnosis.searching.forward import named

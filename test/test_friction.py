@@ -7,12 +7,12 @@ from made_effect import add_effect
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.fitting.friction_start import best_friction, each_damping
 from booster_ros.diagnosis.fitting.friction_trials import Trials, friction_trials
-from booster_ros.diagnosis.fitting.intervals import interval_of
-from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.diagnosis.estimation.uncertainty import interval_of
+from booster_ros.diagnosis.selection.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate

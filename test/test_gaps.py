@@ -7,8 +7,8 @@ from made_record import BACK, CHAMBER, POSITION, RAMP, ROWS, TIME, record_of, st
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.preparing.gaps import SETTLING
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.gaps import SETTLING
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 
 

@@ -16,16 +16,16 @@ from hidden_plant.effects import EFFECTS
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.segments import split
-from booster_ros.diagnosis.fitting.applicable import free_to_refit
+from booster_ros.diagnosis.data.blocks import split
+from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
 from booster_ros.diagnosis.last_fit import last_fit
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.searching.candidate import NEAR_NOISE
-from booster_ros.diagnosis.searching.cascade import search_above
+from booster_ros.diagnosis.hypotheses.subsystem import search_above
 from booster_ros.diagnosis.searching.nameless import best_terms
 from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.next_effect import extend, shows_in_means
-from booster_ros.diagnosis.searching.screening import references, screen
+from booster_ros.diagnosis.selection.screening import references, screen
 from booster_ros.diagnosis.searching.search import Search, carried
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught

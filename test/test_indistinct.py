@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.experiment.segments import split
-from booster_ros.diagnosis.fitting.applicable import applicable
-from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.data.blocks import split
+from booster_ros.diagnosis.hypotheses.applicable import applicable
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, put
 from booster_ros.diagnosis.searching import rematch as rematching
 from booster_ros.diagnosis.searching.candidate import UNLIKELY
-from booster_ros.diagnosis.searching.indistinct import substitutes
+from booster_ros.diagnosis.selection.equivalence import substitutes
 from booster_ros.diagnosis.searching.next_effect import CLOSE, _Begun, _bring_to_equal_terms
 from booster_ros.diagnosis.searching.rematch import NEAR, _from_the_end_of, rematch
-from booster_ros.diagnosis.searching.screening import references, screen
+from booster_ros.diagnosis.selection.screening import references, screen
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters

@@ -13,8 +13,8 @@ from interval_coverage.valves import SIZES, Drawn
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.freedom import put
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.memory import Departure
 
 NOISE = {'chamber_pressure': PRESSURE_NOISE, 'valve_position': POSITION_NOISE}

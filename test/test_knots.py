@@ -6,14 +6,14 @@ from made_search import P, RAMPS, RAMPS_TIME, searching, seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.fit import Fit, Problem
-from booster_ros.diagnosis.fitting.freedom import Free
+from booster_ros.diagnosis.estimation.problem import Fit, Problem
+from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.searching import nameless
-from booster_ros.diagnosis.searching.knots import (
+from booster_ros.diagnosis.hypotheses.knots import (
     looking_closer, where_it_bends, with_gentle_ends)
 from booster_ros.diagnosis.searching.nameless import best_terms
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.unknown import terms
+from booster_ros.diagnosis.hypotheses.discrepancy import terms
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import (
     CHAMBER, KNOTS, STEM, VALVE_POSITION, Discrepancy, covered, interpolate)

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis import last_fit as finishing
-from booster_ros.diagnosis.experiment.segments import USED
-from booster_ros.diagnosis.fitting.freedom import get, put
+from booster_ros.diagnosis.data.blocks import USED
+from booster_ros.diagnosis.estimation.parametrisation import get, put
 from booster_ros.diagnosis.last_fit import _without, last_fit, verdict_of
 from booster_ros.diagnosis.searching.nameless import preferable
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
+from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, terms, with_term
 
 
 def test_a_term_that_leaves_no_less_on_all_but_the_locked_part_is_no_verdict():

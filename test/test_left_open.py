@@ -9,11 +9,11 @@ from made_search import (
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom, label, put
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, label, put
 from booster_ros.diagnosis.fitting.friction_trials import Trials
 from booster_ros.diagnosis.last_fit import LastFit, draws_of
-from booster_ros.diagnosis.left_open import FEWEST, MODELS, models_alike, with_left_open
+from booster_ros.diagnosis.judging.prediction_uncertainty import FEWEST, MODELS, models_alike, with_left_open
 from booster_ros.diagnosis.result import Alike, ChannelError, errors_of
 
 MILD = np.array([3.9, 4.0, 3.95, 4.05, 4.0, 4.1, 4.05, 4.0, 3.95, 3.9])

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis import diagnose, last_fit, locked_part
-from booster_ros.diagnosis.experiment.segments import USED, rows_of, split
-from booster_ros.diagnosis.fitting.fit import Fit
-from booster_ros.diagnosis.fitting.freedom import put
-from booster_ros.diagnosis.locked_part import EXPLAINS_LITTLE, leave_much, stands
+from booster_ros.diagnosis.data.blocks import USED, rows_of, split
+from booster_ros.diagnosis.estimation.problem import Fit
+from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.judging.test_set import EXPLAINS_LITTLE, leave_much, stands
 from booster_ros.diagnosis.result import ChannelError, errors_of
 from booster_ros.diagnosis.searching.nameless import TOO_LITTLE
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.unknown import UNNAMED, Term, with_term
+from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, Term, with_term
 from booster_ros.model.discrepancy import KNOTS, STEM, VALVE_POSITION, Discrepancy
 
 WAVE = 150.0 * np.sin(np.linspace(0.0, 15.0, KNOTS))

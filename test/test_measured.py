@@ -13,8 +13,8 @@ import re
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.diagnose import diagnose
-from booster_ros.diagnosis.experiment.experiment import rmse
+from booster_ros.diagnosis.pipeline import diagnose
+from booster_ros.diagnosis.data.experiment import rmse
 from booster_ros.measured import page, remarks, supplies
 from booster_ros.measured.records import (
     CHAMBERS,

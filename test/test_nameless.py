@@ -9,21 +9,21 @@ from made_search import P, searching, seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.diagnose import _best_without
-from booster_ros.diagnosis.experiment.experiment import rmse
-from booster_ros.diagnosis.experiment.segments import USED, rows_of, split
-from booster_ros.diagnosis.fitting.applicable import free_to_refit
-from booster_ros.diagnosis.fitting.fit import Fit, Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom
+from booster_ros.diagnosis.pipeline import _best_without
+from booster_ros.diagnosis.data.experiment import rmse
+from booster_ros.diagnosis.data.blocks import USED, rows_of, split
+from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
+from booster_ros.diagnosis.estimation.problem import Fit, Problem
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.last_fit import _without
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.searching.candidate import (
     Candidate, clearly_better, explains, why_dropped)
 from booster_ros.diagnosis.searching.nameless import (
     _best_on_both, as_good, beyond_names, compete, over_time, preferable, term_alone)
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
+from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, terms, with_term
 from booster_ros.model import discrepancy as term
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.noise import noise_level, white_noise
-from booster_ros.diagnosis.experiment.noise_colour import noise_of
+from booster_ros.signals.noise_level import noise_level, white_noise
+from booster_ros.signals.noise_autocorrelation import noise_of
 
 ROWS = 12000
 NOISE = 150.0

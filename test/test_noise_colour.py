@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from booster_ros.diagnosis.experiment.calm_pieces import (
+from booster_ros.signals.stationary_segments import (
     FEWEST_PIECES, MOST_ROWS, calm_pieces, rests_of, smooth_pieces)
-from booster_ros.diagnosis.experiment.noise_colour import Noise, noise_of
+from booster_ros.signals.noise_autocorrelation import Noise, noise_of
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 

@@ -7,7 +7,7 @@ from made_record import BACK, CHAMBER, FLOW, RAMP, ROWS, SUPPLY, TIME, record_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.records import RecordError
 

@@ -7,8 +7,8 @@ from made_record import CHAMBER, POSITION, ROWS, misfits, misses, record_of, ste
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.preparing.preparation import prepare
-from booster_ros.diagnosis.preparing.rows import DWELL_FILLED
+from booster_ros.diagnosis.prepare.preparation import prepare
+from booster_ros.diagnosis.prepare.rows import DWELL_FILLED
 from booster_ros.model.simulation import simulate
 from booster_ros.records import RecordError
 

@@ -9,11 +9,11 @@ from hidden_plant.cases import Case, write_case
 from hidden_plant.effects import EFFECTS as HIDDEN
 import pytest
 
-from booster_ros.diagnosis.diagnose import diagnose
-from booster_ros.diagnosis.fitting.freedom import effect_freedom
-from booster_ros.diagnosis.fitting.proportion import PAPER, in_proportion, proportion
-from booster_ros.diagnosis.preparing.preparation import prepare
-from booster_ros.diagnosis.searching.unknown import terms
+from booster_ros.diagnosis.pipeline import diagnose
+from booster_ros.diagnosis.estimation.parametrisation import effect_freedom
+from booster_ros.diagnosis.estimation.scaling import PAPER, in_proportion, proportion
+from booster_ros.diagnosis.prepare.preparation import prepare
+from booster_ros.diagnosis.hypotheses.discrepancy import terms
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import DESCRIPTIONS, from_values
 from booster_ros.parameters.file import read_parameter_file

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.repeatability import chance, differences
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.judging.perturbation import chance, differences
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
 

@@ -7,7 +7,7 @@ from made_record import BACK, CHAMBER, FLOW, POSITION, ROWS, SUPPLY, TIME, recor
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.records import RecordError, read_record
 
 SHUT = DECLARED._replace(booster=DECLARED.booster._replace(opening_gain=0.0))

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.segments import segment_of_row, split
-from booster_ros.diagnosis.fitting.applicable import free_to_refit
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.intervals import block_bootstrap, block_bootstrap_of_means
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.data.blocks import segment_of_row, split
+from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap, block_bootstrap_of_means
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.searching.search import EVALUATIONS, Search
 from booster_ros.model.parameters import from_values
 from booster_ros.parameters.file import read_parameter_file

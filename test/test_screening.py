@@ -9,9 +9,9 @@ from made_search import P, STEPS, TIME, everywhere, searching, seen, steps_seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.freedom import put
-from booster_ros.diagnosis.searching.screening import (
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.selection.screening import (
     promise, reference_at, references, screen, strong_frequencies)
 from booster_ros.model.catalogue import Knob
 

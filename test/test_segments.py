@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.segments import split, split_sweep
+from booster_ros.diagnosis.data.blocks import split, split_sweep
 from booster_ros.records import RecordError
 
 

@@ -9,19 +9,19 @@ from made_diagnosis import DECLARED, record_of, timed_columns
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.diagnose import _refitted, diagnose, known_together
-from booster_ros.diagnosis.experiment.experiment import Experiment, Initial
-from booster_ros.diagnosis.fitting.fit import START, Fit, Problem
-from booster_ros.diagnosis.fitting.freedom import (
+from booster_ros.diagnosis.pipeline import _refitted, diagnose, known_together
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.estimation.problem import START, Fit, Problem
+from booster_ros.diagnosis.estimation.parametrisation import (
     BENCH, BENCH_RANGE, declared_freedom, effect_freedom, get, loosened, put)
-from booster_ros.diagnosis.fitting.intervals import (
+from booster_ros.diagnosis.estimation.uncertainty import (
     block_bootstrap, interval_of, own_sizes, traded, undetermined)
 from booster_ros.diagnosis.last_fit import LastFit
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.result import FoundEffect
 from booster_ros.diagnosis.searching.candidate import Candidate, clearly_better
 from booster_ros.diagnosis.searching.rematch import rematch
-from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.diagnosis.selection.screening import with_effect
 from booster_ros.diagnosis.searching.search import polished
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.memory import Departure

@@ -8,8 +8,8 @@ from made_search import P, RAMPS, RAMPS_TIME, searching, seen, standing_at
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.segments import USED
-from booster_ros.diagnosis.fitting.fit import Problem
+from booster_ros.diagnosis.data.blocks import USED
+from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.fitting.in_step import OUT_OF_STEP, Steps, cost_in_step, steps
 from booster_ros.diagnosis.fitting.one_by_one import more_in_step
 from booster_ros.diagnosis.fitting.sawtooth import read_saw, rows_going

@@ -7,7 +7,7 @@ from made_record import ROWS, TIME, record_of, step_test
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 
 

@@ -6,7 +6,7 @@ from made_search import CURRENT, P, searching, seen, selected, steps_seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.freedom import put
+from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.searching.forward import named
 from booster_ros.diagnosis.searching.nameless import best_terms
 from booster_ros.diagnosis.searching.next_effect import extend

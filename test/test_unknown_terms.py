@@ -9,17 +9,17 @@ from made_search import P, RAMPS, RAMPS_TIME, STEPS, TIME, searching, seen, step
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.experiment.experiment import Experiment
-from booster_ros.diagnosis.experiment.segments import USED
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.blocks import USED
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.searching import nameless
-from booster_ros.diagnosis.searching.course import followed
+from booster_ros.diagnosis.hypotheses.regressor import followed
 from booster_ros.diagnosis.searching.nameless import TOO_LITTLE, best_terms, compete
 from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.searching.teaching import taught
-from booster_ros.diagnosis.searching.unknown import UNNAMED, terms, with_term
+from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, terms, with_term
 from booster_ros.model.discrepancy import (
     BACK_PRESSURE_ERROR, BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, EP_CONVERTER_LAG,
     FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME, VARIABLES, Discrepancy, covered, forgets, remembers)

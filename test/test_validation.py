@@ -7,9 +7,9 @@ from dataclasses import replace
 from made_diagnosis import BENT, DECLARED, record_of, timed_columns, unknown_found
 import numpy as np
 
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.result import UnknownTerm
-from booster_ros.diagnosis.validation import validated
+from booster_ros.diagnosis.judging.validation import validated
 from booster_ros.model.simulation import simulate
 
 

@@ -9,13 +9,13 @@ from made_search import CURRENT, P, START_PRESSURE, TIME, seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.diagnosis.fitting.freedom import declared_freedom
-from booster_ros.diagnosis.fitting.intervals import (
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
+from booster_ros.diagnosis.estimation.uncertainty import (
     Interval, block_bootstrap, interval_of, undetermined)
-from booster_ros.diagnosis.fitting.valley import at_the_bottom, slopes_along_axes
+from booster_ros.diagnosis.estimation.svd_differences import at_the_bottom, slopes_along_axes
 from booster_ros.diagnosis.result import FoundEffect, either
-from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.diagnosis.selection.screening import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
 from booster_ros.report.html_report import html_page

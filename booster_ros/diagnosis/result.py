@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment.experiment import UNITS, Experiment, Initial, rmse
-from booster_ros.diagnosis.experiment.segments import Segment
-from booster_ros.diagnosis.fitting.fit import Fit, Problem
-from booster_ros.diagnosis.fitting.intervals import Interval
+from booster_ros.diagnosis.data.experiment import UNITS, Experiment, Initial, rmse
+from booster_ros.diagnosis.data.blocks import Segment
+from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
@@ -25,6 +26,8 @@ class FoundEffect:
     An effect that the model lacked; `location` is where it is born.
 
     `separating_experiment` is the one in the catalogue, empty where the effect has no name.
+    `standing` is 'confirmed', 'likely' or 'candidate' (defined in selection/decide), `explained`
+    the effect's share of what the declared model left beyond noise.
     """
 
     name: str
@@ -33,6 +36,27 @@ class FoundEffect:
     confused_with: tuple[str, ...]
     separating_experiment: str
     evidence: dict[str, float]
+    standing: str = 'candidate'
+    explained: float = float('nan')
+
+
+@dataclass(frozen=True)
+class TraceStep:
+    """
+    A step of the selection: a model against another.
+
+    `log_evidence` and `elpd` are tempered by `dispersion`, + where the first model is better;
+    `reduced_chi2` is what that one leaves, in squares of the noise.
+    """
+
+    effects: tuple[str, ...]
+    against: tuple[str, ...]
+    reduced_chi2: float
+    log_evidence: float
+    elpd: float
+    elpd_standard_error: float
+    dispersion: float
+    outcome: str
 
 
 def either(effect: FoundEffect) -> str:
@@ -322,6 +346,7 @@ class Diagnosis:
     decided: bool = False
     change: Change | None = None
     alike: Alike | None = field(default=None, repr=False)
+    trace: tuple[TraceStep, ...] = ()
 
     @property
     def added(self) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..diagnosis.experiment.experiment import rmse
+from ..diagnosis.data.experiment import rmse
 from ..diagnosis.result import Diagnosis, FoundEffect, Suspect
 from ..model.catalogue import EFFECTS
 from ..model.system import PositionerParameters

@@ -7,9 +7,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from ..diagnosis.diagnose import diagnose
-from ..diagnosis.experiment.experiment import Experiment
-from ..diagnosis.preparing.preparation import prepare
+from ..diagnosis.pipeline import diagnose
+from ..diagnosis.data.experiment import Experiment
+from ..diagnosis.prepare.preparation import prepare
 from ..diagnosis.result import Diagnosis
 from ..model.parameters import from_values
 from ..model.system import PositionerParameters

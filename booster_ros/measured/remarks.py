@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from ..diagnosis.experiment.experiment import rmse
-from ..diagnosis.fitting.proportion import in_proportion
+from ..diagnosis.data.experiment import rmse
+from ..diagnosis.estimation.scaling import in_proportion
 from ..diagnosis.result import AS_GOOD_AS_MEASURED, Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
 from ..model.system import PositionerParameters

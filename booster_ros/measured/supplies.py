@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..diagnosis.fitting.applicable import free_to_refit
-from ..diagnosis.experiment.experiment import Experiment, rmse
-from ..diagnosis.fitting.fit import Fit, Problem
-from ..diagnosis.fitting.freedom import effect_freedom, put
+from ..diagnosis.hypotheses.applicable import free_to_refit
+from ..diagnosis.data.experiment import Experiment, rmse
+from ..diagnosis.estimation.problem import Fit, Problem
+from ..diagnosis.estimation.parametrisation import effect_freedom, put
 from ..model.catalogue import EFFECTS
 from ..model.system import PositionerParameters
 from ..paper.printed import FLOW_UNIT

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares, lsq_linear
 
-from ..diagnosis.fitting.freedom import Free, effect_freedom, put
+from ..diagnosis.estimation.parametrisation import Free, effect_freedom, put
 from ..model.catalogue import EFFECTS
 from ..model.parameters import ParameterError, check_consistent
 from ..model.simulation import simulate

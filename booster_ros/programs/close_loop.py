@@ -14,15 +14,15 @@ import shutil
 import sys
 from typing import Any
 
-from ..diagnosis.calibration import calibrated
-from ..diagnosis.change import since_change
-from ..diagnosis.diagnose import diagnose
-from ..diagnosis.experiment.experiment import Experiment
-from ..diagnosis.preparing.plausibility import check_declared
-from ..diagnosis.preparing.preparation import prepare
-from ..diagnosis.preparing.rows import DWELL_FILLED, DWELL_PINNED
+from ..diagnosis.judging.false_positive_rate import calibrated
+from ..diagnosis.judging.change_point import since_change
+from ..diagnosis.pipeline import diagnose
+from ..diagnosis.data.experiment import Experiment
+from ..diagnosis.prepare.plausibility import check_declared
+from ..diagnosis.prepare.preparation import prepare
+from ..diagnosis.prepare.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
-from ..diagnosis.validation import validated
+from ..diagnosis.judging.validation import validated
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment.segments import rows_of
+from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.result import AS_GOOD_AS_MEASURED, ChannelError, Diagnosis
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.report.engineering import Scale, common_scale, digits_apart, number

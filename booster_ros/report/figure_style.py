@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
 
-from booster_ros.diagnosis.experiment.segments import Segment
+from booster_ros.diagnosis.data.blocks import Segment
 from booster_ros.records.time_axis import gap_rows
 
 Array = np.ndarray
@@ -28,7 +28,7 @@ BEFORE = '#d55e00'
 AFTER = '#0072b2'
 NOISE = '#9a9a9a'
 LOCKED = '#eef1f4'
-ROLE_SHADES = {'fit': '#dfe5ea', 'select': '#b4c0ca', 'test': '#6f8090'}
+ROLE_SHADES = {'train': '#dfe5ea', 'test': '#6f8090'}
 
 _STYLE: dict[Any, Any] = {
     'svg.fonttype': 'none',  # text stays text: light, sharp, searchable

@@ -10,8 +10,8 @@ from string import Template
 
 import numpy as np
 
-from booster_ros.diagnosis.experiment.experiment import Experiment
-from booster_ros.diagnosis.preparing.late_commands import commands_may_be_late
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.prepare.timestamp_jitter import commands_may_be_late
 from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
 from booster_ros.report import figures
 from booster_ros.report.engineering import number, scale_of, si_text
@@ -30,8 +30,7 @@ from booster_ros.report.wording import (
     SCALING, verdict_sentences, verdict_title, with_what_was_added)
 
 _ROLES = {
-    'fit': 'fitted', 'select': 'chose between models',
-    'test': 'locked: opened once, at the end'}
+    'train': 'training: fitted, and chose between models', 'test': 'test set: opened once, at the end'}
 
 _STAGE_MEANINGS = {
     'declared': 'As declared: the model with the parameters that were given.',
@@ -215,14 +214,14 @@ def _evidence(effect: FoundEffect) -> str:
     facts = effect.evidence
     if not {'misfit_without', 'misfit_with'} <= facts.keys():
         return ''
-    text = (f'Without it the mean squared error on the data that chose between models is '
-            f'{number(facts["misfit_without"])} times that of the noise, with it '
+    text = (f'{capital(effect.standing)}. Without it the mean squared error of the training blocks '
+            f'is {number(facts["misfit_without"])} times that of the noise, with it '
             f'{number(facts["misfit_with"])} times.')
-    error = facts.get('score_fall_standard_error', 0.0)
-    if error > 0.0:
-        text += (f' The fall is {number(facts["score_fall"] / error, 2)} times its standard error '
-                 'between the segments of the record; from 1 on it counts, from 2 on where what '
-                 'was missing could nearly be noise.')
+    if 'log_evidence' in facts:
+        text += (f' The logarithm of the evidence rises by {number(facts["log_evidence"])}; a block '
+                 'that is left out is predicted better by '
+                 f'{number(facts["elpd"])} ± {number(facts["elpd_standard_error"])} (log density, '
+                 'all blocks together).')
     return paragraph(text)
 
 
@@ -248,9 +247,8 @@ def _suspects(diagnosis: Diagnosis) -> str:
     hidden = len(diagnosis.suspects) - len(shown_suspects(diagnosis))
     return section(
         'Suspects',
-        paragraph('The choice, then all by misfit: mean squared error, in units of the noise, '
-                  'on the parts held back for choosing; what came near the choice was fitted to '
-                  'them too in the end. 1 is as good as can be. Bars are logarithmic.', 'hint'),
+        paragraph('The choice, then all by misfit: mean squared error of the training blocks, in '
+                  'squares of the noise. 1 is as good as can be. Bars are logarithmic.', 'hint'),
         suspect_table(diagnosis),
         paragraph(f'{hidden} more {"is" if hidden == 1 else "are"} in report.json.', 'hint')
         if hidden > 0 else '')

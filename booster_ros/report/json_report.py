@@ -8,12 +8,16 @@ import json
 import math
 from typing import Any
 
-from booster_ros.diagnosis.experiment.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm)
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.unknown_term import unknown_experiment
 from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
+
+
+VERSION = 2
+"""Of the report's keys: 2 has `trace`, and `standing` and `explained` of each effect."""
 
 
 def json_text(diagnosis: Diagnosis, provenance: Provenance) -> str:
@@ -25,6 +29,7 @@ def json_text(diagnosis: Diagnosis, provenance: Provenance) -> str:
 def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any]:
     """Return the report as plain values."""
     return {
+        'version': VERSION,
         'verdict': diagnosis.verdict,
         'summary': ' '.join([f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis)]),
         'effects': [_effect(effect, diagnosis.unknown) for effect in diagnosis.effects],
@@ -38,6 +43,7 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
         'suspects': [
             {'effects': list(s.effects), 'misfit': s.misfit, 'reason': s.reason}
             for s in diagnosis.suspects],
+        'trace': [asdict(step) for step in diagnosis.trace],
         'declared_parameters': {
             r.name: {'given': r.given, 'before': r.before, 'after': r.after, 'spread': r.spread,
                      'low': r.low, 'high': r.high, 'unit': r.unit, 'at_limit': r.at_limit}
@@ -63,6 +69,8 @@ def _effect(effect: FoundEffect, unknown: UnknownTerm | None) -> dict[str, Any]:
             for name, i in effect.parameters.items()},
         'confused_with': list(effect.confused_with),
         'separating_experiment': experiment,
+        'standing': effect.standing,
+        'explained': effect.explained,
         'evidence': dict(effect.evidence),
     }
 

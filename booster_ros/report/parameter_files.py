@@ -7,7 +7,7 @@ from pathlib import Path
 import textwrap
 from typing import Any
 
-from booster_ros.diagnosis.fitting.intervals import Interval
+from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.diagnosis.result import Diagnosis
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.parameters.file import write_parameter_file

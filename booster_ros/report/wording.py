@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A diagnosis in sentences."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd
+from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd, FoundEffect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.report.engineering import common_scale, digits_apart, number
 from booster_ros.report.errors import (
@@ -132,6 +134,7 @@ def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
         meaning = EFFECTS[effect.name].meaning
         sentences.append(
             f'{capital(meaning)}. Its place is {place_label(effect.location)}.')
+    sentences.append(_standing_sentence(diagnosis.effects))
     sentences += [*sentences_on_gain(diagnosis), *sentences_on_tolerances(diagnosis),
                   *sentences_on_rest(diagnosis)]
     for effect in diagnosis.effects:
@@ -140,6 +143,23 @@ def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
             sentences.append(
                 f'This record cannot tell {effect_label(effect.name)} from {rivals}.')
     return sentences
+
+
+def _standing_sentence(effects: Sequence[FoundEffect]) -> str:
+    """Return what share of the missing is explained, by what, and how sure that is."""
+    shares = listing([
+        f'{share_text(effect.explained)} of what the declared model misses'
+        f'{f" by {effect_label(effect.name)}" if len(effects) > 1 else ""} ({effect.standing})'
+        for effect in effects])
+    return f'Explained: {shares}.'
+
+
+def share_text(share: float) -> str:
+    """Return a share as a percentage; neither 0 nor all is said of what is not quite that."""
+    percent = 100.0 * share
+    if percent > 99.9:
+        return 'more than 99.9 %'
+    return 'less than 0.1 %' if percent < 0.1 else f'{percent:.3g} %'
 
 
 def _sentences_on_none(diagnosis: Diagnosis) -> list[str]:

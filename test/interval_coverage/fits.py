@@ -7,12 +7,12 @@ from typing import NamedTuple
 from hidden_plant.declared import declared_groups
 from hidden_plant.effects import EFFECTS
 
-from booster_ros.diagnosis.experiment.segments import split
-from booster_ros.diagnosis.fitting.applicable import free_to_refit
-from booster_ros.diagnosis.fitting.freedom import label
-from booster_ros.diagnosis.fitting.intervals import interval_of
+from booster_ros.diagnosis.data.blocks import split
+from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
+from booster_ros.diagnosis.estimation.parametrisation import label
+from booster_ros.diagnosis.estimation.uncertainty import interval_of
 from booster_ros.diagnosis.last_fit import draws_of, last_fit
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.searching.next_effect import extend
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.parameters import from_values

@@ -14,7 +14,7 @@ from hidden_plant.sensors import (
     POSITION_NOISE, POSITION_RESOLUTION, PRESSURE_NOISE, PRESSURE_RESOLUTION, Sensors)
 import numpy as np
 
-from booster_ros.diagnosis.experiment.noise_colour import Noise
+from booster_ros.signals.noise_autocorrelation import Noise
 from booster_ros.records.record import Record
 
 Key = tuple[str, int | None]

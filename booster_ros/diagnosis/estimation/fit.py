@@ -1,0 +1,134 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The one way to estimate: bounded least squares (Gauss-Newton, trust region) from given starts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import Initial
+from booster_ros.diagnosis.estimation.inactive import place_beyond
+from booster_ros.diagnosis.estimation.least_squares import CONVERGED, Descent, descend
+from booster_ros.diagnosis.estimation.parametrisation import Free
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+EVALUATIONS = 15
+"""Steps of a descent beside its Jacobians: most end after four to eight."""
+
+INACTIVE = 1.0
+"""Norm of the change of the residuals over a standard deviation of a variable, below which it is
+asked whether it moves anything at all."""
+
+AGREE = 1.0
+"""Difference of costs up to which two starts end in the same place: half a log likelihood unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """
+    An estimate: z, parameters and start at z, the cost there, residuals and Jacobian.
+
+    `agreeing` counts the starts that ended in a place as good as this, of `starts` in all.
+    """
+
+    freedoms: tuple[Free, ...]
+    z: Array
+    parameters: PositionerParameters
+    initial: Initial
+    cost: float
+    residuals: Array = field(repr=False)
+    jacobian: Array = field(repr=False)
+    agreeing: int = 1
+    starts: int = 1
+
+    @property
+    def seen(self) -> Array:
+        """Which variables move the residuals by more than noise, compared with z = 0."""
+        return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
+
+
+def fit_at(problem: Problem, z: Array, jacobian: Array | None = None) -> Fit:
+    """Return z as a fit of the problem, not moved; the Jacobian is formed if it is not given."""
+    here = problem.residuals(z)
+    slopes = problem.jacobian(z, here) if jacobian is None else jacobian
+    p = problem.parameters(z)
+    return Fit(problem.freedoms, z, p, problem.initial(z, p), float(here @ here), here, slopes)
+
+
+def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALUATIONS,
+        tolerance: float = CONVERGED) -> Fit:
+    """
+    Return the best of the descents of a problem from several starts (default: as given).
+
+    A descent ends where cost and variables change by less than `tolerance` (relative), or after so
+    many evaluations. From the best end another one begins where a declared parameter that moves
+    nothing there would begin to move something (`inactive`).
+    """
+    low, high = problem.bounds()
+    margin = 1e-6 * np.minimum(high - low, 1.0)
+
+    def descended(begin: Array) -> Descent:
+        return descend(problem.residuals, problem.jacobian,
+                       np.clip(begin, low + margin, high - margin), low, high, evaluations,
+                       tolerance)
+
+    ends = [descended(begin) for begin in (starts if len(starts) else [problem.start()])]
+    best = min(ends, key=lambda end: end.cost)
+    beyond = place_beyond(problem.residuals, best.z, best.jacobian, _inactive(problem, best),
+                          (low, high))
+    if beyond is not None:
+        best = min(best, descended(beyond), key=lambda end: end.cost)
+    found = fit_at(problem, best.z, best.jacobian)
+    return replace(found, starts=len(ends), agreeing=max(sum(
+        end.cost < found.cost + AGREE for end in ends), 1))
+
+
+def first_steps(problem: Problem, begin: Array, evaluations: int) -> Fit:
+    """Return where a few steps lead, to tell which way things go; it is no estimate."""
+    low, high = problem.bounds()
+    margin = 1e-6 * np.minimum(high - low, 1.0)
+    end = descend(problem.residuals, problem.jacobian,
+                  np.clip(begin, low + margin, high - margin), low, high, evaluations)
+    return fit_at(problem, end.z, end.jacobian)
+
+
+def _inactive(problem: Problem, end: Descent) -> dict[int, float]:
+    """Return which declared parameters move nothing that is observed, and their tolerances."""
+    # a Jacobian that was corrected by steps has next to nothing in their columns, not nothing
+    faint = np.linalg.norm(end.jacobian[:problem.observed], axis=0) < INACTIVE
+    asked = [j for j, free in enumerate(problem.freedoms) if np.isfinite(free.sigma) and faint[j]]
+    return {j: problem.freedoms[j].sigma for j in problem.idle(asked, end.z)}
+
+
+def carried(target: Problem, *sources: Fit) -> Array:
+    """
+    Return z of `target` with the values that its parameters have in the sources: a warm start.
+
+    Later sources count before earlier ones; the variables of the start are those of the first.
+    Parameters in none of them stand at z = 0, as given.
+    """
+    known = {(f.knob.parameter, f.element): z for source in sources
+             for f, z in zip(source.freedoms, source.z)}
+    body = [known.get((f.knob.parameter, f.element), 0.0) for f in target.freedoms]
+    tail = sources[0].z[len(sources[0].freedoms):]
+    return np.concatenate([body, tail if len(tail) == target.nuisances
+                           else np.zeros(target.nuisances)])
+
+
+def nominal(problem: Problem, z: Array) -> Array:
+    """
+    Return z with only the effects kept: declared parameters and start as given.
+
+    Before an effect was in the model, the declared parameters had imitated it. Those that a record
+    hardly shows come back from there only in tiny steps.
+    """
+    fresh = z.copy()
+    fresh[len(problem.freedoms):] = 0.0
+    for j, free in enumerate(problem.freedoms):
+        if np.isfinite(free.sigma) or free.as_given:
+            fresh[j] = 0.0
+    return fresh

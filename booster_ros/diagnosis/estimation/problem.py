@@ -1,0 +1,246 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What is to be estimated: a vector z of dimensionless variables, and the residuals that it leaves.
+
+The cost of z is, up to a constant, minus twice the logarithm of its posterior density:
+
+    sum over channels ((measured - model(z)) / noise)²  +  sum (z / sigma)²,
+
+where the first sum is over rows or over statistics of windows (`observation`), and the second over
+what is known beforehand of declared parameters and of the start. Variables are those of the
+parameters, then those of the start.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.estimation.observation import ROWS, Observation
+from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
+from booster_ros.diagnosis.estimation.window_statistics import Windows
+from booster_ros.model.actuator import has_dry_friction
+from booster_ros.model.discrepancy import remembers
+from booster_ros.model.memory import Departure
+from booster_ros.model.parameters import is_consistent
+from booster_ros.model.sensors import position_behind, pressure_behind
+from booster_ros.model.start import rests_on_a_stop
+from booster_ros.model.stream import DEFAULT_TOLERANCE
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
+"""First step in z of the Jacobian's differences, and the bounds of later ones: a step changes the
+residuals by `Observation.visible` (norm). Below the smallest the solver's own error shows, above
+the largest columns bend."""
+
+ROUGHER = 10.0
+"""Factor on `visible` on thinned rows, where the solver's tolerance is larger as well."""
+
+START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
+"""Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
+pressure in 500 Pa, places in the two plays, warmth of the chamber's air in 10 K, what a term
+remembers in 0.3 units of `past`."""
+
+START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
+"""Bounds of the same variables to either side: a place in a play is -1 to 1 by definition."""
+
+GRID = 2.0**-27
+"""
+Distance between values of z with which the model is run. Linear algebra rounds differently from
+processor to processor, and where the stem sticks a difference in the last bit becomes another slip.
+"""
+
+FAR = 1e3
+"""Scaled residual where the model cannot run: large, finite, flat, so that a fit turns away."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An experiment, the rows that count (mask), what of them counts, and what is free."""
+
+    experiment: Experiment
+    rows: Array
+    base: PositionerParameters
+    freedoms: tuple[Free, ...]
+    observation: Observation = ROWS
+
+    @property
+    def nuisances(self) -> int:
+        """Number of variables for the start, behind those of the parameters."""
+        return 0 if 'chamber_pressure' in self.experiment.pinned else len(START)
+
+    def parameters(self, z: Array) -> PositionerParameters:
+        """Return the parameters at z, to GRID."""
+        p = self.base
+        for free, variable, nearest in zip(self.freedoms, z, _on_grid(z)):
+            low, high = min(variable, free.low), max(variable, free.high)  # no step out of bounds
+            value = free.value(min(max(nearest, low), high))
+            p = put(p, free.knob.parameter, value, free.element)
+        return p
+
+    def initial(self, z: Array, p: PositionerParameters) -> Initial:
+        """Return the start at z; a stem that can stick stands where it was seen, off the stops."""
+        start = self.experiment.initial
+        if self.nuisances:
+            pressure, back, ep_play, position_play, warmth, past = _on_grid(
+                z[len(self.freedoms):])
+            back = start.departure.back_pressure + 500.0 * back
+            start = replace(
+                start, departure=Departure(back, ep_play, position_play, 10.0 * warmth, 0.3 * past),
+                chamber_pressure=pressure_behind(
+                    p.sensors, start.chamber_pressure + 100.0 * pressure))
+        if start.valve_position is None or not has_dry_friction(p.actuator):
+            return replace(start, valve_position=None)
+        sensors = p.sensors
+        read = position_behind(sensors, start.valve_position)
+        stem = read - 0.5 * sensors.position_backlash * start.departure.position_play
+        on_stop = rests_on_a_stop(p, start.chamber_pressure, stem)
+        return replace(start, valve_position=None if on_stop else stem)
+
+    def predict(self, z: Array) -> dict[str, Array] | None:
+        """Return the model's channels at z, None where it cannot run."""
+        return self._predicted(z, self.experiment)
+
+    def _predicted(self, z: Array, experiment: Experiment) -> dict[str, Array] | None:
+        p = self.parameters(z)
+        return experiment.predict(p, self.initial(z, p)) if is_consistent(p) else None
+
+    def residuals(self, z: Array) -> Array:
+        """Return the residuals of what is observed, followed by those of what is known before."""
+        observed = self.observation.of(self.windows, self.scaled(z))
+        return np.concatenate([*observed, z[self.known] / self.sigma[self.known]])
+
+    def cost(self, z: Array) -> float:
+        """Return the sum of squares of the residuals."""
+        return float(np.sum(self.residuals(z)**2))
+
+    @cached_property
+    def sigma(self) -> Array:
+        """The standard deviation of what is known of each variable, infinite where nothing is."""
+        return np.array([free.sigma for free in self.freedoms]
+                        + (list(START) if self.nuisances else []))
+
+    @cached_property
+    def known(self) -> Array:
+        """The variables of which something is known beforehand, as indices."""
+        return np.flatnonzero(np.isfinite(self.sigma))
+
+    @cached_property
+    def counted(self) -> dict[str, Array]:
+        """The rows of each channel that count, as a mask of shape (n,): marked, with a value."""
+        return {name: self.rows & np.isfinite(measured)
+                for name, measured in self.experiment.measured.items()}
+
+    @cached_property
+    def windows(self) -> tuple[Windows, ...]:
+        """The counted rows of each channel, in windows."""
+        measured, noise = self.experiment.measured, self.experiment.noise
+        return tuple(Windows.of(self.experiment.time[rows], measured[name][rows] / noise[name])
+                     for name, rows in self.counted.items())
+
+    @cached_property
+    def first_rows(self) -> tuple[Array, ...]:
+        """For each channel, the row of the experiment that each observed residual begins with."""
+        return tuple(np.flatnonzero(rows)[self.observation.first_rows(one)]
+                     for rows, one in zip(self.counted.values(), self.windows))
+
+    @cached_property
+    def observed(self) -> int:
+        """Number of observed residuals, over all channels."""
+        return sum(map(len, self.first_rows))
+
+    @cached_property
+    def _decisive(self) -> Experiment:
+        """The experiment up to the last row that counts: what comes later changes none of them."""
+        counting = np.flatnonzero(np.any(list(self.counted.values()), axis=0))
+        return self.experiment.until(self.experiment.time[counting[-1] if len(counting) else 0])
+
+    def scaled(self, z: Array) -> list[Array]:
+        """Return the scaled residuals of the rows that count, one array a channel."""
+        predicted = self._predicted(z, self._decisive)
+        if predicted is None:
+            return [np.full(np.count_nonzero(rows), FAR) for rows in self.counted.values()]
+        measured, noise = self.experiment.measured, self.experiment.noise
+        return [
+            np.nan_to_num(
+                (measured[name][rows] - predicted[name][rows[:len(predicted[name])]])
+                / noise[name], nan=FAR, posinf=FAR, neginf=-FAR)
+            for name, rows in self.counted.items()]
+
+    def jacobian(self, z: Array, here: Array, before: Array | None = None) -> Array:
+        """
+        Return d(residuals)/dz by one-sided differences, columns side by side.
+
+        `here` are the residuals at z; `before` is an earlier Jacobian, which tells how far to step
+        in each variable.
+        """
+        steps = np.full(len(z), DIFFERENCE) if before is None else self.steps_for(
+            np.linalg.norm(before, axis=0))
+        _, high = self.bounds()
+
+        def column(j: int) -> Array:
+            step = steps[j] if z[j] + steps[j] <= high[j] else -steps[j]
+            moved = z.copy()
+            moved[j] += step
+            return (self.residuals(moved) - here) / step
+
+        silent = self._silent(z)
+        columns = np.zeros((len(here), len(z)))
+        told = [j for j in range(len(z)) if j not in silent]
+        for j, change in zip(told, side_by_side(column, told)):
+            columns[:, j] = change
+        for j in silent:  # such a variable moves what is known of it alone
+            columns[len(here) + j - len(z), j] = 1.0 / self.sigma[j]
+        return columns
+
+    def steps_for(self, slopes: Array) -> Array:
+        """Return how far to step for differences, in z, where slopes have these norms."""
+        visible = self.observation.visible
+        if self.observation is ROWS and self.experiment.tolerance > DEFAULT_TOLERANCE:
+            visible *= ROUGHER
+        return _on_grid(np.clip(visible / np.maximum(slopes, 1e-9),
+                                SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE))
+
+    def _silent(self, z: Array) -> list[int]:
+        """Return the variables of the start that cannot matter, such as a place in no play."""
+        if not self.nuisances:
+            return []
+        p = self.parameters(z)
+        matter = possible_departures(p) | {'back_pressure'}
+        if remembers(p.discrepancy):
+            matter.add('past')
+        first = len(self.freedoms) + 1  # behind the chamber's pressure
+        return [j for j, name in enumerate(Departure._fields, first) if name not in matter]
+
+    def idle(self, variables: Iterable[int], z: Array) -> set[int]:
+        """Return those on which nothing seen at z depends: without a size no shape matters."""
+        asked = list(variables)
+        here = self.scaled(z) if asked else []
+
+        def moves_nothing(j: int) -> bool:
+            moved = z.copy()
+            moved[j] += DIFFERENCE if z[j] + DIFFERENCE < self.freedoms[j].high else -DIFFERENCE
+            return all(map(np.array_equal, self.scaled(moved), here))
+
+        return {j for j, still in zip(asked, side_by_side(moves_nothing, asked)) if still}
+
+    def start(self) -> Array:
+        """Return z of the given parameters."""
+        return np.zeros(len(self.freedoms) + self.nuisances)
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the lower and upper bounds of z."""
+        width = START_BOUND[:self.nuisances]
+        return (np.array([f.low for f in self.freedoms] + [-w for w in width]),
+                np.array([f.high for f in self.freedoms] + list(width)))
+
+
+def _on_grid(z: Array) -> Array:
+    """Return the values of GRID that are nearest to these."""
+    return np.round(z / GRID) * GRID

@@ -1,0 +1,219 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""How sure a fitted parameter is, when residuals are coloured."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from booster_ros.diagnosis.data.blocks import FEWEST_BLOCKS
+from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.parametrisation import Free
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.model.catalogue import Knob
+from booster_ros.model.parameters import DESCRIPTIONS
+
+Array = np.ndarray
+
+DRAWS = 400
+LEVEL = 0.95
+
+FEW, IN_FEW = 3, 0.9
+"""Number of segments, and share of what is known of the size of an effect: where so few segments
+hold more than this share, segments are cut as well."""
+
+WIDEST = 30.0
+"""Standard deviation of a size before anything is seen of it, in typical sizes."""
+
+SILENT = 1.0
+"""Norm of the change of the scaled residuals for a typical size, below which slopes tell
+nothing."""
+
+NOTICED = 3.84
+"""Rise of the cost from which the rows notice that a variable moves of which slopes tell nothing:
+95 % of chi square."""
+
+HALVINGS = 12
+
+AT_BOUND = 1e-2
+"""Distance of a size from its bound, relative to its range, below which it has run into it."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """
+    A value with its 95 % interval.
+
+    With `open_above` anything from `low` up may be true, and none as well: a stiffness of none, or
+    a restriction of none, is 0, and stands beyond all that is large. `high` is then the largest
+    that is looked for.
+    """
+
+    value: float
+    low: float
+    high: float
+    unit: str
+    open_above: bool = False
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the value itself is none, as that of a stiffness may be."""
+        return self.open_above and self.value < self.low
+
+    def holds_none(self, knob: Knob) -> bool:
+        """Tell whether what this knob turns may as well be none."""
+        return self.open_above or self.low <= knob.neutral <= self.high
+
+
+def block_bootstrap(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
+    """
+    Return draws of z, shape (DRAWS, variables), by a block bootstrap.
+
+    `block_of_row` says of each row of the experiment in which block it is. Each draw weighs the
+    blocks by how often they were drawn and makes one Gauss-Newton step from the fit. Residuals may
+    be as coloured as they like within a block. The value that is expected of a declared parameter
+    is drawn too, from its prior: what an effect trades with it is as unsure as that.
+
+    Shapes are drawn with all else free; all else is drawn with the shapes as they were found.
+    Drawn together they would run along a line through nonsense: a drift of half the size in half
+    the time is the same drift while it is young, and where the size is none the shape means
+    nothing.
+    """
+    label = _blocks(problem, fit, block_of_row)
+    residual, jacobian, data = fit.residuals, fit.jacobian, problem.observed
+    blocks = np.unique(label)
+    size = len(fit.z)
+    gradients = np.zeros((len(blocks), size))
+    hessians = np.zeros((len(blocks), size, size))
+    for b, k in enumerate(blocks):
+        mask = np.flatnonzero(label == k)
+        gradients[b] = jacobian[mask].T @ residual[mask]
+        hessians[b] = jacobian[mask].T @ jacobian[mask]
+    prior = jacobian[data:]
+    prior_hessian = prior.T @ prior
+    rng = np.random.default_rng(1)
+    draws = np.empty((DRAWS, size))
+    # sizes are held to their typical order: else one that hardly shows in a draw could be anything
+    ridge = np.eye(size) / WIDEST**2
+    pull = ridge @ fit.z
+    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
+    rest = np.setdiff1d(np.arange(size), shapes)
+    for d in range(DRAWS):
+        counts = np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks))
+        centres = residual[data:] + rng.standard_normal(len(prior))
+        gradient = counts @ gradients + prior.T @ centres + pull
+        hessian = np.tensordot(counts, hessians, 1) + prior_hessian + ridge
+        draws[d] = fit.z - np.linalg.solve(hessian, gradient)
+        if shapes:
+            draws[d, rest] = fit.z[rest] - np.linalg.solve(
+                hessian[np.ix_(rest, rest)], gradient[rest])
+    gradient = gradients.sum(axis=0) + prior.T @ residual[data:] + pull
+    hessian = hessians.sum(axis=0) + prior_hessian + ridge
+    room = np.array(problem.bounds()) - fit.z
+    held = _held_back(hessian, gradient, room)
+    if shapes:
+        held[rest] = _held_back(hessian[np.ix_(rest, rest)], gradient[rest], room[:, rest])
+    return draws + held
+
+
+def _blocks(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
+    """Return the block of every observed residual; cut into parts where few of them tell."""
+    rows = np.concatenate(problem.first_rows)
+    label = block_of_row[rows]
+    if not _shows_in_few(problem, fit, label):
+        return label
+    finer = np.empty(len(block_of_row), dtype=int)
+    for block in np.unique(block_of_row):
+        own = np.flatnonzero(block_of_row == block)
+        finer[own] = block * FEWEST_BLOCKS + np.arange(len(own)) * FEWEST_BLOCKS // len(own)
+    return finer[rows]
+
+
+def _held_back(hessian: Array, gradient: Array, room: Array) -> Array:
+    """
+    Return by how much bounds hold back a Gauss-Newton step; `room` are its least and most.
+
+    A size at its bound would go on beyond it, and all else with it. Draws around where it would
+    go say that it is none with certainty; around where it has to stay, how much it may be.
+    """
+    # of a record with next to no noise, rounding leaves less of the flattest axes than the ridge
+    squares, axes = np.linalg.eigh(hessian)
+    lengths = np.sqrt(np.maximum(squares, 1.0 / WIDEST**2))
+    aim = -(axes.T @ gradient) / lengths
+    free = axes @ (aim / lengths)
+    if np.all((room[0] <= free) & (free <= room[1])):
+        return np.zeros(len(free))
+    return np.asarray(lsq_linear(lengths[:, None] * axes.T, aim, (room[0], room[1])).x - free)
+
+
+def _shows_in_few(problem: Problem, fit: Fit, label: Array) -> bool:
+    """
+    Tell whether what is known of the size of an effect comes from few blocks.
+
+    If a stem reaches its seat twice, say, one or more of 20 draws are without these blocks, know
+    nothing of the size, and would call any trace chance.
+    """
+    sizes = [j for j, free in enumerate(problem.freedoms)
+             if not free.knob.shape and not np.isfinite(free.sigma) and fit.seen[j]]
+    known = fit.jacobian[:len(label), sizes]**2
+    by_block = np.array([known[label == k].sum(axis=0) for k in np.unique(label)])
+    in_few = np.sort(by_block, axis=0)[-FEW:].sum(axis=0)
+    return bool((in_few > IN_FEW * by_block.sum(axis=0)).any())
+
+
+def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> Interval:
+    """
+    Return the value and 95 % interval of a parameter, within its bounds.
+
+    The interval is as long to either side, in z, as 95 % of the draws are off the fit. Of a few
+    segments, some tell a parameter far better than others, and draws are skewed: their own 2.5 and
+    97.5 % quantiles are off to the wrong side then, and hold the truth less often (Hall, 1992, The
+    Bootstrap and Edgeworth Expansion, section 3.5). A fit that stopped early has draws around a
+    step away from it: the interval holds both.
+
+    The interval of a variable that shows nowhere where it stands, such as the lift of a seat that
+    is never reached, goes to where the rows would notice it (profile likelihood, all else as it
+    is). That of a stiffness or restriction that may as well be none is open above.
+    """
+    free = problem.freedoms[index]
+    if np.linalg.norm(fit.jacobian[:, index]) < SILENT:
+        low, high = _unnoticed(problem, fit, index)
+    else:
+        off = np.quantile(np.abs(draws[:, index] - fit.z[index]), LEVEL)
+        low, high = fit.z[index] - off, fit.z[index] + off
+    ends = [free.value(float(np.clip(z, free.low, free.high))) for z in (low, high)]
+    open_above = free.knob.inverse > 0 and free.knob.neutral in ends
+    if open_above:
+        ends = [free.knob.high if end == free.knob.neutral else end for end in ends]
+    return Interval(free.value(fit.z[index]), min(ends), max(ends),
+                    DESCRIPTIONS[free.knob.parameter].unit, open_above)
+
+
+def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
+    """Return how far towards its bounds a variable can go before the rows notice."""
+    most = problem.cost(fit.z) + NOTICED
+
+    def unnoticed(end: float) -> bool:
+        moved = fit.z.copy()
+        moved[index] = end
+        return problem.cost(moved) < most
+
+    def furthest(bound: float) -> float:
+        if unnoticed(bound):
+            return bound
+        inside, outside = float(fit.z[index]), bound
+        for _ in range(HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if unnoticed(middle) else (inside, middle)
+        return inside
+
+    free = problem.freedoms[index]
+    return furthest(free.low), furthest(free.high)
+
+
+def at_bound(free: Free, z: float) -> bool:
+    """Tell whether a parameter has run into a bound that is not its neutral value."""
+    room = AT_BOUND * (free.high - free.low)
+    return (abs(free.low) > room and z - free.low < room) or (
+        abs(free.high) > room and free.high - z < room)

@@ -1,0 +1,88 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which effects an experiment can show at all, and which declared parameters.
+
+A measured channel that drives the model cuts off everything upstream of it, a sensor that was not
+recorded has no error, and a sweep without a clock knows no delays. Trying those effects anyway
+costs time and invites coincidences: in a sweep a lag looks like friction.
+"""
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, Free, declared_freedom
+from booster_ros.model.catalogue import EFFECTS, Effect
+from booster_ros.model.gas import ISO_6358
+from booster_ros.model.system import PositionerParameters
+
+NEAR_BENCH_SET = 0.25
+"""Distance below the bench set, as a share of its range, within which a shifted spring might let
+the stem go."""
+
+
+def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[str, ...]:
+    """Return the names of the effects that can change what is compared in this experiment."""
+    resting = _stem_rests(experiment, declared)
+    return tuple(name for name, effect in EFFECTS.items()
+                 if _shows(effect, experiment) and not (resting and effect.location == 'stem')
+                 and effect.orifice_law in (None, declared.booster.orifice_law))
+
+
+def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
+    """Tell whether no position was seen and the pressure seen never comes near the bench set."""
+    pressure = experiment.measured.get('chamber_pressure')
+    if pressure is None or 'valve_position' in experiment.measured:
+        return False
+    low, high = declared.actuator.bench_set
+    highest = float(np.max(pressure[np.isfinite(pressure)], initial=-np.inf))
+    return highest < low - NEAR_BENCH_SET * (high - low)
+
+
+def _shows(effect: Effect, experiment: Experiment) -> bool:
+    if experiment.quasi_static and effect.needs_clock:
+        return False
+    compared = experiment.channels
+    chamber_follows = 'chamber_pressure' not in experiment.pinned
+    if effect.location == 'sensor':
+        return effect.reading in compared
+    if effect.location == 'stem':
+        moves_what_follows = 'mass_flow' in compared and chamber_follows
+        return bool({'valve_position', 'chamber_pressure'} & {*compared}) or moves_what_follows
+    if effect.location == 'chamber':
+        return chamber_follows
+    commanded = 'control_current' in experiment.drives
+    if effect.location == 'ep_converter':
+        return commanded
+    # effects left are around the booster: they act where something drives it and its flow counts
+    driven = commanded or 'back_pressure' in experiment.pinned
+    if effect.location == 'supply' and 'supply_pressure' in experiment.pinned:
+        return False
+    return driven and (chamber_follows or 'mass_flow' in compared)
+
+
+def free_to_refit(declared: PositionerParameters, experiment: Experiment) -> tuple[Free, ...]:
+    """Return the declared parameters that a refit to this experiment may turn."""
+    return tuple(free for free in declared_freedom(declared, experiment)
+                 if matters(free.knob.parameter, experiment)
+                 and _acts(free.knob.parameter, declared))
+
+
+def _acts(parameter: str, declared: PositionerParameters) -> bool:
+    """Tell whether the declared law of flow through the seats knows the parameter."""
+    known_to_one_law = parameter == 'booster.critical_pressure_ratio'
+    return not known_to_one_law or declared.booster.orifice_law == ISO_6358
+
+
+def matters(parameter: str, experiment: Experiment) -> bool:
+    """Tell whether a declared parameter, by its dotted name, can change what is compared."""
+    component = parameter.split('.')[0]
+    if component == 'actuator' and experiment.is_flow_bench:
+        return False
+    if component == 'supply' and 'supply_pressure' in experiment.pinned:
+        return False
+    if component == 'ep_converter' and 'back_pressure' in experiment.pinned:
+        return False
+    if 'chamber_pressure' in experiment.pinned and not experiment.is_flow_bench:
+        return component == 'actuator' and parameter not in OF_THE_CHAMBER
+    return True

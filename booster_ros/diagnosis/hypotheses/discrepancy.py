@@ -1,0 +1,238 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A discrepancy without a name: which component lacks what, as a function of what.
+
+A tabulated term (model/discrepancy) is tried in every component over the variables that a missing
+effect there would depend on. Its values enter nearly linearly, so one simulation per knot and one
+linear solve, with the declared parameters reacting, tell what each term can reach. A term that
+follows a change is tried with a few times of memory, one that follows a play with a few widths of
+it, and each is fitted from the best of them.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.estimation.least_squares import straight
+from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.problem import START, Problem
+from booster_ros.diagnosis.estimation.parametrisation import Free
+from booster_ros.diagnosis.estimation.scaling import PAPER, proportion
+from booster_ros.diagnosis.hypotheses.regressor import range_followed
+from booster_ros.diagnosis.hypotheses.knots import about_zero, evenly
+from booster_ros.model import discrepancy as term
+from booster_ros.model.catalogue import Knob
+from booster_ros.model.discrepancy import KNOTS, Discrepancy
+from booster_ros.model.ep_converter import QUICKEST, SLOWEST
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+# For each component, a size of a term that a record shows, and what the term may depend on. The
+# commoner kind comes first: chambers leak more often than a relay's forces depend on the pressure
+# behind it.
+_TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
+    (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
+    (term.EP_CONVERTER_LAG, 1.0, (term.BACK_PRESSURE_ERROR,)),
+    (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
+    (term.BOOSTER, 0.002, (term.FORCE_PLAY,)),
+    (term.SUPPLY, 1e3, (term.TIME,)),
+    (term.CHAMBER, 2e-5, (term.CHAMBER_PRESSURE, term.VALVE_POSITION, term.STEM_VELOCITY,
+                          term.PRESSURE_CHANGE)),
+    (term.BOOSTER, 0.01, (term.CHAMBER_PRESSURE,)),
+    (term.CHAMBER_VOLUME, 2e-5, (term.VALVE_POSITION, term.CHAMBER_PRESSURE)),
+    (term.STEM, 200.0,
+     (term.VALVE_POSITION, term.STEM_VELOCITY, term.CHAMBER_PRESSURE, term.POSITION_CHANGE,
+      term.TIME)),
+    (term.PRESSURE_SENSOR, 1e3, (term.CHAMBER_PRESSURE, term.TIME)),
+    (term.POSITION_SENSOR, 1e-4, (term.VALVE_POSITION, term.TIME)),
+)
+
+TIMES_OF_MEMORY = (0.4, 3.0, 12.0, 48.0)
+"""Times of memory that are tried of a term over a change, s: a fit goes on from the best."""
+
+LONGER = 1.5
+"""Factor by which a fitted memory may get longer before the range of the table is too short."""
+
+SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
+"""Bounds of a fitted memory, s: shorter is a lag, of a longer one no record shows the end."""
+
+REACHES = (0.003, 0.01, 0.03)
+"""Half-widths that are tried of a play of the booster's force, N, in the paper's booster, as times
+of memory are tried."""
+
+SHORTEST_REACH, LONGEST_REACH = 5e-4, 0.2
+"""Bounds of a fitted half-width, N: a smaller one is 0.2 kPa in the chamber, a larger one all that
+opens a seat of the paper's booster."""
+
+UNNAMED = 'unknown: '
+"""Prefix of the label of a term, where models are listed by their effects."""
+
+_PLACES = {
+    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber',
+    'ep_converter_lag': 'ep_converter'}
+"""Locations as reports print them, where they differ from the table's."""
+
+SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
+"""Parts of the linear move that are tried: far away the model bends."""
+
+STEP = 0.1
+"""Step in a value of the table, in sizes that show, by which its column of a Jacobian is formed."""
+
+WIDEST = 1.0
+"""
+Standard deviation of the prior on a value of the table, in sizes that show. The prior keeps unseen
+knots near zero, and leaves what stays the same everywhere to the declared parameters, which hold
+beyond the table too.
+"""
+
+
+@dataclass(frozen=True)
+class Term:
+    """
+    A place for a discrepancy: component, variable, a size that shows.
+
+    And its past, where it has one: `memory` is that of a change, s, `reach` that of a play, N.
+    """
+
+    location: int
+    variable: int
+    size: float
+    memory: float = Discrepancy().memory
+    reach: float = Discrepancy().reach
+
+    @property
+    def place(self) -> str:
+        """Return its location as effects and reports have it."""
+        return place_of(self.location)
+
+    @property
+    def label(self) -> str:
+        """Return 'component over variable'."""
+        return label_of(self.location, self.variable)
+
+
+def label_of(location: int, variable: int) -> str:
+    """Return 'component over variable' of a term, by its numbers in a table."""
+    return f'{term.LOCATIONS[location]} over {term.VARIABLES[variable]}'
+
+
+def place_of(location: int) -> str:
+    """Return the location of a term, by its number in a table, as effects and reports have it."""
+    name = term.LOCATIONS[location]
+    return _PLACES.get(name, name)
+
+
+def terms(channels: tuple[str, ...], declared: PositionerParameters = PAPER) -> list[Term]:
+    """Return the terms worth trying in such a valve, with these compared channels."""
+    absent = set()
+    if 'chamber_pressure' not in channels:
+        absent.add(term.PRESSURE_SENSOR)
+    if 'valve_position' not in channels:
+        absent |= {term.POSITION_SENSOR, term.STEM}
+    return [one for location, size, variables in _TERMS
+            for variable in variables if location not in absent
+            for one in _with_pasts(
+                Term(location, variable, size * _larger(declared, location)),
+                _larger(declared, term.BOOSTER))]
+
+
+def _larger(declared: PositionerParameters, location: int) -> float:
+    """Return how many times as large a term in this location is in a valve as in the paper's."""
+    return proportion(declared, term.LOCATIONS[location], term.LOCATION_UNITS[location])
+
+
+def _with_pasts(one: Term, larger: float) -> list[Term]:
+    """Return the term with each past that is tried; itself where it has none."""
+    if one.variable in term.CHANGE_OF:
+        return [replace(one, memory=memory) for memory in TIMES_OF_MEMORY]
+    if one.variable == term.FORCE_PLAY:
+        return [replace(one, reach=larger * reach) for reach in REACHES]
+    return [one]
+
+
+def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
+    """
+    Return the problem with the table's inner values free, over the range in the rows `seen`.
+
+    The range is that of the variable as measured, where it can be: a model without the term may
+    stay within half of that. What a sensor lacks may hide part of the range, as where it has
+    reached its end: for its terms, the range that the parameters as given lead through counts as
+    well. `seen` has to include the rows between the fitted ones as well: the table is zero beyond
+    its range, and a run that leaves the range comes back with a chamber that knows nothing of the
+    term. For a change, the range is that of a longer memory, as a fit may find one; for a play, it
+    is that of the play itself.
+    """
+    empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
+    low, high = -1.0, 1.0
+    if one.variable != term.FORCE_PLAY:
+        longer = empty._replace(memory=LONGER * one.memory)
+        low, high = range_followed(problem, reference, longer, seen)
+    spread, least, most = evenly, -1e3 * one.size, 1e3 * one.size
+    if one.location == term.EP_CONVERTER_LAG:
+        spread, least, most = about_zero, QUICKEST, SLOWEST
+    table = empty._replace(knots=tuple(spread(low, high).tolist()))
+    knob = Knob('discrepancy.values', one.size, least, most)
+    values_free = tuple(
+        Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
+    return replace(problem, base=problem.base._replace(discrepancy=table),
+                   freedoms=problem.freedoms + values_free)
+
+
+def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
+    """Return problem and z with the memory of a change, or the reach of a play, free as well."""
+    table = joint.base.discrepancy
+    if table.variable in term.CHANGE_OF:
+        name, begin, low, high = 'memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY
+    elif term.has_play(table):
+        larger = _larger(joint.base, term.BOOSTER)
+        name, begin = 'reach', table.reach
+        low, high = larger * SHORTEST_REACH, larger * LONGEST_REACH
+    else:
+        return joint, z
+    where = len(joint.freedoms)
+    free = Free(Knob(f'discrepancy.{name}', begin, low, high, begin, shape=True), begin, begin)
+    return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
+
+
+def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
+                 ) -> tuple[float, Array, Array, Problem]:
+    """
+    Return what a term can reach by linear reckoning.
+
+    That is the cost, z with a table of zeros, the move in z to be tried, and the term's problem.
+    """
+    joint = with_term(problem, reference, one, seen)
+    where = len(problem.freedoms)
+    z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
+    r = joint.residuals(z)
+    columns = []
+    for j in range(where, where + KNOTS - 2):
+        moved = z.copy()
+        moved[j] += STEP
+        columns.append((joint.residuals(moved) - r) / STEP)
+    data = problem.observed
+    jacobian = np.zeros((len(r), len(z)))
+    outer = np.r_[0:where, where + KNOTS - 2:len(z)]
+    jacobian[:data, outer] = reference.jacobian[:data]
+    for j, column in zip(range(where, where + KNOTS - 2), columns):
+        jacobian[:, j] = column
+    for j, free in enumerate(joint.freedoms):
+        if np.isfinite(free.sigma) and j < where:
+            row = data + sum(np.isfinite(f.sigma) for f in joint.freedoms[:j])
+            jacobian[row, j] = 1.0 / free.sigma
+    tail = joint.nuisances
+    for j in range(tail):
+        jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / START[j]
+    low, high = joint.bounds()
+    move = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
+    left = r + jacobian @ move
+    return float(left @ left), z, move, joint
+
+
+def moved(joint: Problem, z: Array, move: Array) -> Array:
+    """Return z after that part of the move which costs least, within the bounds."""
+    low, high = joint.bounds()
+    places = [np.clip(z + share * move, low, high) for share in SHARES]
+    return min(places, key=lambda place: joint.cost(place))

@@ -1,0 +1,66 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The upstream subsystem: the positioner above its stem, driven by the measured stem.
+
+Packing friction makes a record nearly unpredictable in detail: which slip comes when decides what
+follows. A model of the part above the stem, driven by the measured current and the measured
+position, knows no friction: it tells what lies above the stem, in a fraction of the time
+(open-loop identification of a subsystem with a measured interface variable).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, Free
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.records.holding import bridged
+
+WINDOW = 11
+"""Rows over which the measured position is smoothed, so that it has a velocity."""
+
+THINNING = 3
+"""Fits of this part use every third row: a position that drives the model needs its rows closer
+together than a current that stands."""
+
+_PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
+
+
+def upstream(experiment: Experiment) -> Experiment | None:
+    """
+    Return the experiment with position and velocity as drives and the pressure compared.
+
+    None where position or pressure was not measured, where another channel drives the model, in a
+    sweep without a clock, or where rows are too few or too far apart for it.
+    """
+    both = {'chamber_pressure', 'valve_position'} <= set(experiment.measured)
+    if not both or experiment.pinned or experiment.quasi_static:
+        return None
+    if not np.isfinite(experiment.measured['valve_position']).any():
+        return None
+    interval = np.diff(experiment.time)
+    if len(interval) < 10 * WINDOW or np.max(interval) > 4.0 * np.median(interval):
+        return None
+    whole = bridged(experiment.time, experiment.measured['valve_position'])
+    step = float(np.median(interval))
+    return replace(
+        experiment,
+        measured={'chamber_pressure': experiment.measured['chamber_pressure']},
+        noise={'chamber_pressure': experiment.noise['chamber_pressure']},
+        pinned={'valve_position': savgol_filter(whole, WINDOW, 2),
+                'stem_velocity': savgol_filter(whole, WINDOW, 2, deriv=1, delta=step)})
+
+
+def is_upstream(name: str) -> bool:
+    """Tell whether an effect changes the pressure that belongs to a given motion of the stem."""
+    effect = EFFECTS[name]
+    return effect.location in _PLACES or effect.reading == 'chamber_pressure'
+
+
+def free_upstream(freedoms: tuple[Free, ...]) -> tuple[Free, ...]:
+    """Return the declared parameters that matter above the stem."""
+    return tuple(free for free in freedoms if free.knob.parameter in OF_THE_CHAMBER
+                 or free.knob.parameter.split('.')[0] in _PLACES)

@@ -1,0 +1,264 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A valve that changed while it was recorded: a fitting that comes loose, a sensor that is knocked.
+
+All else here takes a record to be of one valve. Where the valve changed, the model that is found
+is a compromise between the valve before and the valve after, and leaves much. So where a diagnosis
+leaves much:
+
+1. refit the declared model to the beginning of the record, which it has to meet to the noise;
+2. lengthen this beginning, segment by segment, as far as the refit still meets it (by bisection);
+3. run the model refitted to it over the rest: the valve changed where this model begins to miss;
+4. if enough of the record is left from there on, diagnose that rest as a record of its own;
+5. where nothing is missing in the rest, a declared parameter has changed: one that alone, with the
+   others as they were before, explains what came after. Where a channel no longer says anything of
+   the valve, its sensor has changed.
+
+An effect that the record excites for the first time looks the same, and is found the same way.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.pipeline import Progress, diagnose
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.blocks import rows_of
+from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
+from booster_ros.diagnosis.estimation.fit import Fit, fit
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import label
+from booster_ros.diagnosis.prepare.preparation import prepare
+from booster_ros.diagnosis.result import Change, ChannelError, Diagnosis, FoundEffect, Moved
+from booster_ros.diagnosis.selection.decide import NOISE
+from booster_ros.diagnosis.selection.task import THINNING, thinned
+from booster_ros.model.parameters import DESCRIPTIONS
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import Record, RecordError
+
+Array = np.ndarray
+
+MUCH = 4.0
+"""Mean square, in multiples of the noise's, that a diagnosis has to leave before a change is
+looked for; for the record to be cut, so much has to be left of the used rows."""
+
+BEGINNING = 0.25
+"""Smallest share of the record, from its beginning, that the declared model has to meet: a refit
+to less may imitate what has been missing from the start."""
+
+ENOUGH_LEFT = 0.25
+"""Smallest share of the record that has to be left after a change for a diagnosis of its own."""
+
+WORTH_CUTTING = 0.5
+"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
+
+WINDOW = 25
+"""Number of successive rows whose mean square says whether the model misses."""
+
+ALIKE = 2.0
+"""
+Mean square that another parameter leaves, relative to the best one, below which it may as well be
+the one that changed: the parameters held meanwhile are known only as well as the rows before the
+change tell.
+"""
+
+
+def since_change(
+    diagnosis: Diagnosis, record: Record, progress: Progress | None = None
+) -> Diagnosis:
+    """
+    Return the diagnosis of the record from where the valve changed, the given one if it did not.
+
+    Where the record is not cut there, as too little of it is left, say, return the given diagnosis
+    with the time of the change. The locked part does not decide whether to cut.
+    """
+    left = _left(diagnosis.error)
+    if diagnosis.experiment.quasi_static or not (
+            left > MUCH or _left(diagnosis.held_out) > MUCH):
+        return diagnosis
+    tell = progress or (lambda phrase, share: None)
+    tell('looking for a change of the valve', 0.99)
+    found = _change(diagnosis)
+    if found is None:
+        return diagnosis
+    change, before = found
+    later = _later(record, change, diagnosis.declared, tell) if left > MUCH else None
+    # the declared model has not met the missed rows even where it was refitted to them as well
+    diagnosis = replace(diagnosis, held_out={
+        name: replace(error, left_open=np.nan, unforeseen=np.nan, mostly={})
+        for name, error in diagnosis.held_out.items()})
+    if later is None:
+        return replace(diagnosis, change=change)
+    silent = tuple(name for name in diagnosis.experiment.channels
+                   if name not in later.experiment.channels)
+    if silent:
+        change = replace(change, silent=silent)
+        return _silenced(later, change) if later.verdict == 'none' else replace(
+            diagnosis, change=change)
+    if not _left(later.error) <= WORTH_CUTTING * left:
+        return replace(diagnosis, change=change)
+    moved = _moved(later, before) if later.verdict == 'none' and _meets(later) else ()
+    later = replace(later, change=replace(change, cut=True, moved=moved))
+    if not moved:
+        return later
+    likeliest, *others = moved
+    return _unknown(later, _place(likeliest.name), tuple(one.name for one in others))
+
+
+def _left(errors: Mapping[str, ChannelError]) -> float:
+    """Return the mean square that the last model leaves, in the noise's; NaN of no channel."""
+    squares = [(one.after / one.noise)**2 for one in errors.values() if np.isfinite(one.after)]
+    return float(np.mean(squares)) if squares else np.nan
+
+
+def _silenced(later: Diagnosis, change: Change) -> Diagnosis:
+    """Return the diagnosis of a record in which a channel no longer says anything of the valve."""
+    place = 'sensor' if _meets(later) else 'stem'  # a stuck stem shows in the pressure as well
+    return _unknown(replace(later, change=replace(change, cut=True)), place)
+
+
+def _unknown(later: Diagnosis, place: str, others: tuple[str, ...] = ()) -> Diagnosis:
+    """Return the diagnosis with something in this place that is no effect of the catalogue."""
+    return replace(later, verdict='unknown', effects=(
+        FoundEffect('unknown', place, {}, others, '', {}),))
+
+
+def _meets(diagnosis: Diagnosis) -> bool:
+    """Tell whether the last model meets all that could be compared, the locked part included."""
+    return all(one.met for one in (*diagnosis.error.values(), *diagnosis.held_out.values())
+               if np.isfinite(one.after))
+
+
+def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
+    """Return when the valve changed, and the fit of the declared model to what came before."""
+    experiment = diagnosis.experiment
+    met = _longest_met(diagnosis)
+    if met is None:
+        return None
+    end, fit = met
+    squares = _squares(experiment, fit)
+    row = _first_missed(squares, max(end - WINDOW, 0))  # a change may lie in the last rows met
+    if row is None:
+        return None
+    return Change(
+        experiment.begins + float(experiment.time[row]), float(np.nanmean(squares[:row])),
+        float(np.nanmean(squares[row:]))), fit
+
+
+def _first_missed(squares: Array, begin: int) -> int | None:
+    """
+    Return the row from which on a model misses, sought from row `begin` on; None if there is none.
+
+    The mean over a window of rows tells whether it misses, a cumulative sum from which row on
+    (E. S. Page, Biometrika 41 (1954) 100).
+    """
+    known = begin + np.flatnonzero(np.isfinite(squares[begin:]))
+    if len(known) < WINDOW:
+        return None
+    missed = np.convolve(squares[known], np.full(WINDOW, 1.0 / WINDOW), 'valid') > MUCH
+    if not missed.any():
+        return None
+    until = int(np.argmax(missed)) + WINDOW
+    walk = np.cumsum(np.append(0.0, squares[known[:until]] - MUCH))
+    return int(known[np.argmin(walk[:until])])
+
+
+def _squares(experiment: Experiment, fit: Fit) -> Array:
+    """Return the mean square by which the model misses each row, in multiples of the noise's."""
+    predicted = experiment.predict(fit.parameters, fit.initial)
+    scaled = np.array([(measured - predicted[name]) / experiment.noise[name]
+                       for name, measured in experiment.measured.items()])
+    known = np.isfinite(scaled)
+    return np.where(known.any(axis=0), np.sum(np.where(known, scaled, 0.0)**2, axis=0)
+                    / np.maximum(known.sum(axis=0), 1), np.nan)
+
+
+def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
+    """Return up to which row the declared model, refitted, meets the noise, and that fit."""
+    experiment, declared = diagnosis.experiment, diagnosis.declared
+    least = BEGINNING * len(experiment.time)
+    ends = {used: [segment.last for segment in diagnosis.segments if segment.last >= least
+                   and (segment.role == 'train') is used] for used in (True, False)}
+    thin, kept = thinned(experiment, THINNING)
+    whole = Problem(thin, np.ones(len(kept), dtype=bool), declared,
+                    free_to_refit(declared, experiment))
+
+    def met_up_to(end: int, begin: Fit | None = None) -> Fit | None:
+        problem = replace(whole, rows=kept < end)
+        found = fit(problem, () if begin is None else [begin.z])
+        return found if found.cost < NOISE * problem.observed else None
+
+    first, *further = ends[True] or ends[False]
+    begin = met_up_to(first)
+    if begin is None:
+        return None
+    met = _lengthened(met_up_to, (first, begin), further)
+    if ends[True] and met[0] == ends[True][-1]:  # only then can the change be in the locked part
+        met = _lengthened(met_up_to, met, ends[False])
+    return met
+
+
+def _lengthened(met_up_to: Callable[[int, Fit], Fit | None], met: tuple[int, Fit], ends: list[int]
+                ) -> tuple[int, Fit]:
+    """Return the last of the rising `ends` up to which the refit meets the record, and its fit."""
+    low, high = 0, len(ends)
+    while low < high:
+        middle = (low + high) // 2
+        longer = met_up_to(ends[middle], met[1])
+        if longer is None:
+            high = middle
+        else:
+            low, met = middle + 1, (ends[middle], longer)
+    return met
+
+
+def _later(record: Record, change: Change, declared: PositionerParameters, tell: Progress
+           ) -> Diagnosis | None:
+    """Return the diagnosis of the record from the change on, None where too little is left."""
+    rest = record.since(change.time)
+    if len(rest) < ENOUGH_LEFT * len(record):
+        return None
+    try:
+        experiment = prepare(rest, declared)
+        return diagnose(
+            experiment, declared, lambda phrase, share: tell(
+                f'from {change.time:.9g} s on: {phrase}', share),
+            (*rest.notes, *experiment.notes))
+    except RecordError:
+        return None
+
+
+def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
+    """
+    Return the declared parameters of which one alone explains best what came after, best first.
+
+    All others stay as they were fitted to what came before. Return none where no parameter leaves
+    less than WORTH_CUTTING of what is left with all of them as they were.
+    """
+    thin, kept = thinned(later.experiment, THINNING)
+    rows = rows_of(list(later.segments), 'train', len(later.experiment.time))[kept]
+
+    def left(found: Fit) -> float:
+        return float(np.nanmean(_squares(thin, found)[rows]))
+
+    still = left(fit(Problem(thin, rows, before.parameters, ())))
+    tried = []
+    for free, z in zip(before.freedoms, before.z):
+        problem = Problem(thin, rows, before.parameters, (free,))
+        moved = fit(problem, [np.r_[z, np.zeros(len(before.z) - len(before.freedoms))]])
+        tried.append(Moved(
+            label(free), DESCRIPTIONS[free.knob.parameter].unit, float(free.value(z)),
+            float(free.value(moved.z[0])), left(moved)))
+    tried = sorted((one for one in tried if one.left < WORTH_CUTTING * still),
+                   key=lambda one: one.left)
+    return tuple(one for one in tried if one.left < ALIKE * tried[0].left)
+
+
+def _place(parameter: str) -> str:
+    """Return the location that a declared parameter belongs to."""
+    component, _, name = parameter.partition('.')
+    if component != 'actuator':
+        return component
+    return 'chamber' if name == 'dead_volume' else 'stem'

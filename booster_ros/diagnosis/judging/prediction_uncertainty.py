@@ -1,0 +1,217 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a record leaves open of its model, and by how much predictions may be off for that alone.
+
+A record tells parameters only to their intervals. Data that depend on what it hardly shows, such
+as a largest area that none of its steps needed, are missed by as much as models within these
+intervals differ there, though none of these models lacks anything. So, where the fitted rows are
+met,
+
+1. draw parameters as the record leaves them open, as for their intervals: by a bootstrap of its
+   blocks and of what was expected; shapes of effects stay as they
+   were found;
+2. leave out the draws that miss the fitted rows by clearly more: a straight line along which one
+   parameter makes up for another leads over bounds and past bends;
+3. run the other draws over the data. The root mean square of their differences from the model is
+   the standard uncertainty of what the model predicts there;
+4. where the data are missed by more than noise, seek the model that meets the fitted rows and the
+   data together. If it still meets the fitted rows, no parameter is to blame for what it leaves of
+   the data. Where the stem slips, which it does when chance will have it, only the size of what is
+   missed is compared with that of what is left open.
+
+(Propagation of distributions by a Monte Carlo method: JCGM 101:2008, 5 and 7.)
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import Experiment, Initial, rmse
+from booster_ros.diagnosis.estimation.least_squares import descend
+from booster_ros.diagnosis.estimation.final_fit import LAST_EVALUATIONS, FinalFit
+from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.observation import WINDOWS
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import label
+from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.result import Alike, ChannelError
+from booster_ros.model.parameters import is_consistent
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+Model = tuple[PositionerParameters, Initial]
+
+MODELS = 32
+"""Number of models that are run: they tell what is left open to 13 %, two times of three."""
+
+MOST_DRAWN = 100
+
+FEWEST = 12
+"""Number of models below which nothing is said."""
+
+AS_WELL = 10.0
+"""Rise of the cost, for each variable, above which a draw misses clearly more. Where intervals are
+right it is one for each variable, and some times that where residuals are coloured."""
+
+WORTH_ASKING = 0.3
+"""What is left open, as a share of the noise, from which on the parameters that make most of it
+are sought: it then adds 4 % to an error."""
+
+MOST = 0.5
+"""Share of the square of what is left open that one parameter, by itself, has to exceed to make
+most of it."""
+
+SLIPS = 2.0
+"""Error, in standard deviations of what is left open, up to which slips are missed by chance."""
+
+
+def models_alike(last: FinalFit) -> Alike | None:
+    """Return models, out of the draws of z, that suit the record as well as the last one does."""
+    problem, fit = last.problem, last.fit
+    found = _suiting(last)
+    if len(found) < FEWEST:
+        return None
+    return Alike(tuple(_model(problem, z) for z in found),
+                 dict(_one_off(problem, fit, np.array(found))), problem, fit)
+
+
+def with_left_open(
+    errors: Mapping[str, ChannelError], experiment: Experiment, run: Mapping[str, Array],
+    models: Alike | None, rows: Array, start: Initial | None = None,
+) -> dict[str, ChannelError]:
+    """
+    Return the errors of a run of the model with what is left open in these rows.
+
+    All models begin at `start`, or each at its own start if that is None.
+    """
+    if models is None:
+        return dict(errors)
+    counted = {name: rows & np.isfinite(measured) for name, measured in experiment.measured.items()
+               if np.isfinite(errors[name].after)}
+    if not counted:
+        return dict(errors)
+
+    def apart(model: Model) -> dict[str, float]:
+        parameters, initial = model
+        other = experiment.predict(parameters, start or initial)
+        return {name: float(np.mean((other[name] - run[name])[at]**2))
+                for name, at in counted.items()}
+
+    total = _together(side_by_side(apart, models.models))
+    much = any(total[name] >= WORTH_ASKING * errors[name].noise for name in total)
+    alone = {one: _together(side_by_side(apart, ends)) for one, ends in models.one_off.items()
+             } if much else {}
+    beyond = {name: errors[name].after for name in counted}
+    found: dict[str, float] = {}
+    if models.problem.observation is WINDOWS:
+        beyond = _beyond_size(errors, total)
+    elif much and not all(errors[name].met for name in counted):
+        nearer, found = _beyond_reach(models, experiment, rows, start is None)
+        beyond |= nearer
+    return {name: error if name not in total else replace(
+        error, left_open=total[name], unforeseen=beyond[name], mostly={
+            one: found.get(one, np.nan) for one, moved in alone.items()
+            if moved[name]**2 > MOST * total[name]**2})
+            for name, error in errors.items()}
+
+
+def _together(runs: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the root of the mean square over all runs, NaN where one did not come to its end."""
+    return {name: float(np.sqrt(np.mean([one[name] for one in runs]))) for name in runs[0]}
+
+
+def _beyond_size(errors: Mapping[str, ChannelError], total: Mapping[str, float]
+                 ) -> dict[str, float]:
+    """Return the error, noise included, beyond SLIPS standard deviations of what is left open."""
+    found = {}
+    for name, left in total.items():
+        noise = min(errors[name].noise, errors[name].after)
+        found[name] = float(np.hypot(noise, np.sqrt(np.maximum(
+            errors[name].after**2 - noise**2 - (SLIPS * left)**2, 0.0))))
+    return found
+
+
+def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
+                  ) -> tuple[dict[str, float], dict[str, float]]:
+    """
+    Return the errors in these rows of the model that comes nearest to meeting them and the record.
+
+    And its parameters by name. Both are empty if this model misses the record by clearly more.
+    Where the rows are of the `same` experiment, their start is sought from the one that was
+    fitted.
+    """
+    first, fit = models.problem, models.fit
+    shared, own = len(first.freedoms), len(fit.z)
+    # what was expected of the parameters counts once, in the first problem
+    other = replace(first, experiment=experiment, rows=rows, freedoms=tuple(
+        replace(free, sigma=np.inf) for free in first.freedoms))
+    begin = np.append(fit.z, fit.z[shared:] if same else np.zeros(other.nuisances))
+    of_other = np.r_[0:shared, own:len(begin)]
+    many = len(first.residuals(fit.z))
+
+    def residuals(z: Array) -> Array:
+        return np.append(first.residuals(z[:own]), other.residuals(z[of_other]))
+
+    def jacobian(z: Array, here: Array, before: Array | None) -> Array:
+        slopes = np.zeros((len(here), len(z)))
+        slopes[:many, :own] = first.jacobian(
+            z[:own], here[:many], None if before is None else before[:many, :own])
+        slopes[many:, of_other] = other.jacobian(
+            z[of_other], here[many:], None if before is None else before[many:, of_other])
+        return slopes
+
+    low, high = (np.append(one, another[shared:])
+                 for one, another in zip(first.bounds(), other.bounds()))
+    z = descend(residuals, jacobian, np.clip(begin, low, high), low, high, LAST_EVALUATIONS).z
+    if first.cost(z[:own]) > first.cost(fit.z) + AS_WELL * own:
+        return {}, {}
+    predicted = other.predict(z[of_other]) or {}
+    return ({name: rmse(experiment.measured[name], values, rows)
+             for name, values in predicted.items()},
+            {label(free): float(free.value(one)) for free, one in zip(first.freedoms, z)})
+
+
+def _suiting(last: FinalFit) -> list[Array]:
+    """Return draws, with shapes as they were found, that miss the fitted rows by hardly more."""
+    problem, fit = last.problem, last.fit
+    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
+    step = max(len(last.draws) // MOST_DRAWN, 1)
+    drawn = np.clip(last.draws[::step][:MOST_DRAWN], *problem.bounds())
+    drawn[:, shapes] = fit.z[shapes]
+    found: list[Array] = []
+    for k in range(0, len(drawn), MODELS):
+        some = drawn[k:k + MODELS]
+        found += [z for z, left in zip(some, side_by_side(problem.cost, some))
+                  if left <= fit.cost + AS_WELL * len(fit.z)]
+        if len(found) >= MODELS:
+            break
+    return found[:MODELS]
+
+
+def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, tuple[Model, ...]]]:
+    """
+    Yield the model with a single parameter off to either side by as much as it is left open.
+
+    Only for parameters that may be off by so much alone: where others have to make up for one, the
+    model with that one alone off does not suit the record.
+    """
+    low, high = problem.bounds()
+    middle = models.mean(axis=0)
+    # of values that are all the same, the standard deviation need not be 0
+    spread = np.where(np.ptp(models, axis=0) > 0.0, models.std(axis=0), 0.0)
+    noticed = np.linalg.norm(fit.jacobian, axis=0) * spread
+    for j, free in enumerate(problem.freedoms):
+        if spread[j] == 0.0 or noticed[j]**2 > AS_WELL:
+            continue
+        ends = np.tile(fit.z, (2, 1))
+        ends[:, j] = np.clip(middle[j] + spread[j] * np.array([-1.0, 1.0]), low[j], high[j])
+        both = tuple(_model(problem, z) for z in ends)
+        if all(is_consistent(p) for p, _ in both):
+            yield label(free), both
+
+
+def _model(problem: Problem, z: Array) -> Model:
+    p = problem.parameters(z)
+    return p, problem.initial(z, p)

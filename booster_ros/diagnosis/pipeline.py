@@ -1,0 +1,273 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+From a prepared experiment to a verdict: select, estimate, test, report.
+
+1. `select`: stepwise selection of effects, and of terms without a name, on the training blocks.
+2. `final_fit`: the declared model and the chosen one to every training row, with intervals.
+3. The test set is opened once. A term without a name that misses it by more than the declared model
+   does is refused; what is told of a named effect is told by its standing.
+4. `Diagnosis`: the outcome as data.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.data.blocks import (
+    Segment, rows_of, split, split_sweep, training_blocks)
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
+from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
+from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
+from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
+from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, label_of, place_of
+from booster_ros.diagnosis.hypotheses.knots import with_gentle_ends
+from booster_ros.diagnosis.hypotheses.regressor import beyond
+from booster_ros.diagnosis.judging.perturbation import chance
+from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
+from booster_ros.diagnosis.judging.test_set import stands, without_test_set
+from booster_ros.diagnosis.result import (
+    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, TraceStep, UnknownTerm, either,
+    errors_of)
+from booster_ros.diagnosis.selection.decide import NOISE, compare, standing
+from booster_ros.diagnosis.selection.equivalence import alike
+from booster_ros.diagnosis.selection.stepwise import (
+    Progress, Selection, comparison, explained, select)
+from booster_ros.diagnosis.selection.task import Model, Task
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.discrepancy import NONE
+from booster_ros.model.parameters import DESCRIPTIONS
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import RecordError
+
+Array = np.ndarray
+Runs = dict[str, dict[str, Array]]
+
+NEAR_LIMIT = 0.01
+"""Distance of a declared parameter from an end of its range, relative to the way there from the
+given value, below which it is at that end: a fit comes near the ends of a range from the inside
+and does not touch them."""
+
+
+def diagnose(
+    experiment: Experiment, declared: PositionerParameters, progress: Progress | None = None,
+    notes: tuple[str, ...] = (), names: tuple[str, ...] | None = None,
+) -> Diagnosis:
+    """
+    Return what the model lacks, judged by this experiment.
+
+    `progress` is called with a phrase and the share done; `names` restricts the effects that are
+    tried. RecordError where the record is too short, or holds too few values to compare, to be cut
+    into blocks to fit and to judge by.
+    """
+    tell = progress or (lambda phrase, share: None)
+    task = _task(experiment, declared, names)
+    selection = select(task, tell)
+    tell('final fit and intervals', 0.9)
+    block = training_blocks(task.segments, len(experiment.time))
+    before = final_fit(selection.root.problem, selection.root.fit.z, block)
+    chosen, after, runs, refused = _tested(task, selection, before, block)
+    result = _diagnosis(task, selection, chosen, before, after, runs, refused, notes)
+    tell('done', 1.0)
+    return result
+
+
+def _task(experiment: Experiment, declared: PositionerParameters, names: tuple[str, ...] | None
+          ) -> Task:
+    drive = next(iter(experiment.pinned.values()), experiment.current) if np.ptp(
+        experiment.current) == 0.0 else experiment.current
+    segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
+        experiment.time, drive)
+    for role, purpose in (('train', 'fit'), ('test', 'judge')):
+        rows = rows_of(segments, role, len(experiment.time))
+        if not any(np.isfinite(values[rows]).any() for values in experiment.measured.values()):
+            raise RecordError(
+                f'the record has no row to {purpose} by: those meant for it, '
+                f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
+    tried = applicable(without_test_set(experiment, segments), declared)
+    return Task(experiment, segments, declared, free_to_refit(declared, experiment),
+                tuple(name for name in tried if names is None or name in names))
+
+
+def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
+            ) -> tuple[Model, FinalFit, Runs, Refused | None]:
+    """Return the model that stands in the test set, its final fit, all runs, and what is refused."""
+    experiment = task.experiment
+    test = rows_of(task.segments, 'test', len(experiment.time))
+    first = {'declared': experiment.predict(task.declared),
+             'before': experiment.predict(before.fit.parameters, before.fit.initial)}
+
+    def judged(model: Model) -> tuple[FinalFit, Runs, dict[str, ChannelError]]:
+        last = before
+        if model.effects:
+            last = final_fit(model.problem, model.fit.z, block)
+        if _unnamed(model):
+            last = final_fit(with_gentle_ends(last.problem, last.fit), last.fit.z, block)
+        runs = {**first, 'after': experiment.predict(last.fit.parameters, last.fit.initial)}
+        return last, runs, errors_of(experiment, runs, test)
+
+    after, runs, errors = judged(selection.chosen)
+    if not _unnamed(selection.chosen) or stands(errors):
+        return selection.chosen, after, runs, None
+    table = UnknownTerm(after.fit.parameters.discrepancy)
+    outside = beyond(table.seen, experiment, after.fit.parameters, after.fit.initial)
+    refused = Refused(
+        place_of(table.table.location), table.variable,
+        {name: error.after for name, error in errors.items() if np.isfinite(error.after)},
+        float(np.mean(outside[test])))
+    return selection.named, *judged(selection.named)[:2], refused
+
+
+def _unnamed(model: Model) -> bool:
+    return bool(model.effects) and model.effects[0].startswith(UNNAMED)
+
+
+def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit, after: FinalFit,
+               runs: Runs, refused: Refused | None, notes: tuple[str, ...]) -> Diagnosis:
+    experiment = task.experiment
+    size = len(experiment.time)
+    test = rows_of(task.segments, 'test', size)
+    errors, held_out = (errors_of(experiment, runs, rows) for rows in (
+        rows_of(task.segments, 'train', size), test))
+    unknown = UnknownTerm(after.fit.parameters.discrepancy) if _unnamed(chosen) else None
+    verdict = 'effect' if chosen.effects else 'none'
+    effects: tuple[FoundEffect, ...] = ()
+    if unknown is not None:
+        verdict, place = 'unknown', place_of(unknown.table.location)
+        effects = (_nameless(place, selection, chosen, held_out),)
+    elif chosen.effects:
+        effects = tuple(_found(task, selection, chosen, after, held_out, name)
+                        for name in chosen.effects)
+    elif refused is not None:  # what the term was made for is there all the same
+        verdict, effects = 'unknown', (_nameless(
+            refused.location, selection, selection.chosen, held_out),)
+    refitted = _refitted(task, before, after)
+    # where the record is not met, what is missing would pass for left open
+    told = all(one.met for one in errors.values() if np.isfinite(one.after))
+    models = models_alike(after) if told else None
+    return Diagnosis(
+        verdict, effects, unknown, errors,
+        with_left_open(held_out, experiment, runs['after'], models, test),
+        _suspects(selection, chosen), refitted, task.declared, before.fit.parameters,
+        after.fit.parameters, experiment, tuple(task.segments), runs,
+        (*notes, *_cornered(refitted), *filter(None, map(either, effects)),
+         *_replaced(task.declared, after.fit.parameters),
+         *chance(experiment, after.fit.parameters, after.fit.initial, 'this record')),
+        refused=refused, start=after.fit.initial, decided=refused is not None, alike=models,
+        trace=_trace(selection))
+
+
+def _trace(selection: Selection) -> tuple[TraceStep, ...]:
+    return tuple(TraceStep(
+        step.effects, step.against, step.reduced_chi2, step.found.log_evidence, step.found.elpd,
+        step.found.standard_error, step.found.dispersion, step.outcome)
+        for step in selection.trace)
+
+
+def _suspects(selection: Selection, chosen: Model) -> tuple[Suspect, ...]:
+    """Return the models that were fitted, each once, by what they leave, with what became of it."""
+    outcome = {step.effects: step.outcome for step in selection.trace}
+    outcome = {effects: 'not told apart from the choice' if words == 'accepted' else words
+               for effects, words in outcome.items()}
+    outcome |= {(): 'the declared model, refitted', chosen.effects: 'chosen'}
+    best: dict[frozenset[str], Suspect] = {}
+    for one in sorted(selection.models, key=lambda one: one.reduced_chi2):
+        best.setdefault(frozenset(one.effects), Suspect(
+            one.effects, one.reduced_chi2,
+            outcome.get(one.effects, 'less evidence than another of its round')))
+    return tuple(best.values())
+
+
+def _found(task: Task, selection: Selection, chosen: Model, after: FinalFit,
+           held_out: dict[str, ChannelError], name: str) -> FoundEffect:
+    effect = EFFECTS[name]
+    own = {knob.parameter for knob in effect.knobs}
+    parameters, cornered = {}, False
+    for index, free in enumerate(after.problem.freedoms):
+        if free.knob.parameter in own:
+            parameters[free.knob.parameter] = interval_of(
+                after.problem, after.draws, after.fit, index)
+            cornered |= not free.knob.shape and at_bound(free, after.fit.z[index])
+    without = _without(selection, chosen, name)
+    said = comparison(task, chosen, without, [])
+    share = min(max(explained(chosen, selection.root) - explained(without, selection.root), 0.0),
+                1.0)
+    return FoundEffect(
+        name, effect.location, parameters, alike(task, selection, chosen, name),
+        effect.separating_experiment,
+        {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
+         'log_evidence': said.log_evidence, 'elpd': said.elpd,
+         'elpd_standard_error': said.standard_error, 'dispersion': said.dispersion},
+        standing(explained(chosen, selection.root), chosen.reduced_chi2, cornered,
+                 stands(held_out)), share)
+
+
+def _without(selection: Selection, chosen: Model, name: str) -> Model:
+    """Return the best model that was fitted with no effects beyond the others of the choice."""
+    rest = set(chosen.but(name))
+    return min((one for one in selection.models if set(one.effects) <= rest),
+               key=lambda one: one.reduced_chi2)
+
+
+def _nameless(place: str, selection: Selection, term: Model, held_out: dict[str, ChannelError]
+              ) -> FoundEffect:
+    """Return a finding without a name in this place, with the terms that tell of it as well."""
+    said = compare(term.score, selection.root.score, term.score.dispersion)
+    rivals = tuple(
+        one.effects[0].removeprefix(UNNAMED) for one in selection.models
+        if _unnamed(one) and one is not term
+        and term.score.log_evidence(said.dispersion) - one.score.log_evidence(said.dispersion)
+        < np.log(20.0))
+    share = min(max(explained(term, selection.root), 0.0), 1.0)
+    return FoundEffect(
+        'unknown', place, {}, rivals, '',
+        {'misfit_without': selection.root.reduced_chi2, 'misfit_with': term.reduced_chi2,
+         'log_evidence': said.log_evidence, 'elpd': said.elpd,
+         'elpd_standard_error': said.standard_error, 'dispersion': said.dispersion},
+        standing(share, term.reduced_chi2, False, stands(held_out)), share)
+
+
+def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
+    """Return a sentence for each declared parameter that ended at a limit of the refit."""
+    return tuple(
+        f'{one.name} went from {one.given:.4g} to {one.after:.4g} {one.unit}, the end of what a '
+        'refit allows: its value is no measurement, and the model may lack something else'
+        for one in refitted if one.at_limit)
+
+
+def _replaced(declared: PositionerParameters, found: PositionerParameters) -> tuple[str, ...]:
+    """Return a sentence where a term without a name took the place of one that was declared."""
+    had, has = declared.discrepancy, found.discrepancy
+    if had.location == NONE or has == had:
+        return ()
+    return (f'the declared term without a name ({label_of(had.location, had.variable)}) is no '
+            'longer in the model: a model holds one, and the one that was found took its place',)
+
+
+def _at_limit(free: Free, z: float) -> bool:
+    """Tell whether a declared parameter ended at either end of what a refit allows."""
+    return any(abs(z - end) < NEAR_LIMIT * abs(end) for end in (free.low, free.high))
+
+
+def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, ...]:
+    rows = []
+    places = {(free.knob.parameter, free.element): j
+              for j, free in enumerate(after.problem.freedoms)}
+    for free in task.freedoms:
+        name, element = free.knob.parameter, free.element
+        j = places[name, element]
+        looser = after.problem.freedoms[j]  # its prior may be looser beside an effect
+        z = looser.variable(get(after.fit.parameters, name, element))
+        at_limit = _at_limit(looser, z)
+        low = high = np.nan
+        if not at_limit:
+            interval = interval_of(after.problem, after.draws, after.fit, j)
+            low, high = interval.low, interval.high
+        width = abs(looser.variable(high) - looser.variable(low)) / (2.0 * 1.96 * looser.sigma)
+        given, first, last = (get(p, name, element) for p in (
+            task.declared, before.fit.parameters, after.fit.parameters))
+        rows.append(Refitted(
+            label(free), DESCRIPTIONS[name].unit, given, first, last, looser.spread,
+            free.away(free.variable(first)), looser.away(z), at_limit, low, high, width))
+    return tuple(rows)

@@ -1,0 +1,193 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Values that are possible in their unit, but cannot be of the declared valve (see also pressures).
+
+Fitted all the same, they come out as an effect, or the search runs for minutes and finds nothing.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import UNITS, Experiment
+from booster_ros.diagnosis.estimation.parametrisation import BENCH, get
+from booster_ros.diagnosis.prepare.fit_metrics import (
+    FOLLOWS, alike, miss, sizes_of, stem_alone)
+from booster_ros.model.ep_converter import settled_back_pressure
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import RecordError
+from booster_ros.records.units import LARGEST_KILOPASCALS
+
+Array = np.ndarray
+
+DRIVES = {'control_current', 'back_pressure', 'chamber_pressure'}
+"""What can move the valve: a supply alone does not."""
+
+MOST = 0.99
+BEYOND_TRAVEL = 2.0
+"""Quantile of the magnitude of a position, and multiple of the declared travel beyond which this
+quantile shows that the position is that of another valve."""
+
+BEYOND_SUPPLY = 2.0
+"""Multiple of the pressure of the supply: a current is none for the declared converter if even its
+smallest value asks for more."""
+
+STUCK = 0.05
+"""Share of the travel, or of the supply: where the declared model moves by more, a reading that
+never changes is that of a sensor, or a valve, that sticks fast."""
+
+SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'minutes': 60.0,
+           'hours': 3600.0, 'days': 86400.0}
+USUAL_STEP = (1e-3, 1.0)
+CLEARLY_BETTER = 0.5
+"""Usual distance of rows in seconds, below the second, and share of an error. Time is in another
+unit if rows are not so far apart, would be in that unit, and the declared model then leaves less
+than this share of its error."""
+
+SETTLED, FEW = 30.0, 400
+"""Distance of rows, s, at which a valve has settled at each, and a number of such rows that tells
+how the declared model does: what lasts for months in microseconds is not run through."""
+
+
+def check_declared(declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where a declared pressure is too small to be in pascals."""
+    for name, pressure in (('supply.pressure', declared.supply.pressure),
+                           ('actuator.bench_set', max(declared.actuator.bench_set))):
+        if 0.0 < pressure < LARGEST_KILOPASCALS:
+            raise RecordError(f'{source}, {name}: {pressure:g} Pa looks like kPa, bar, MPa or psi: '
+                              'give it in Pa, gauge')
+
+
+def check_scales(
+    columns: Mapping[str, Array], declared: PositionerParameters, source: str
+) -> None:
+    """Raise RecordError where position or current cannot be of the declared valve."""
+    position = columns.get('valve_position')
+    if position is not None and np.isfinite(position).any():
+        reached = float(np.nanquantile(np.abs(position), MOST))
+        if reached > BEYOND_TRAVEL * declared.actuator.travel:
+            raise RecordError(
+                f'{source}, column valve_position: reaches {reached:.4g} m where the declared '
+                f'travel is {declared.actuator.travel:.4g} m: convert the column to metres, or '
+                'correct actuator.travel')
+    current = columns.get('control_current')
+    if current is not None and np.isfinite(current).any():
+        least, most = (settled_back_pressure(declared.ep_converter, float(end), np.inf, 0.0, 0.0)
+                       for end in (np.nanmin(current), np.nanmax(current)))
+        if least > BEYOND_SUPPLY * declared.supply.pressure:
+            raise RecordError(
+                f'{source}, column control_current: asks the declared E/P converter for '
+                f'{least:.3g} to {most:.3g} Pa in every row, the supply has '
+                f'{declared.supply.pressure:.3g}: it is the current of another converter, or '
+                'ep_converter.gain and ep_converter.offset are')
+
+
+def check_bench(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where a flow bench is to find seats that the declared model keeps shut."""
+    if not experiment.is_flow_bench:
+        return
+    for name in BENCH:
+        if get(declared, name) <= 0.0:
+            raise RecordError(
+                f'{source}: a flow bench, around a booster without flow: {name} must be above 0')
+
+
+def check_drive(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where nothing drives the model and the declared booster is not shut."""
+    booster = declared.booster
+    if booster.opening_gain <= 0.0 or booster.max_area <= 0.0 or DRIVES & {*experiment.drives}:
+        return
+    raise RecordError(
+        f'{source}: nothing drives the model (control_current is missing, or 0 A in every row), '
+        'and the declared booster opens: declare booster.opening_gain: 0.0 if the chamber was shut '
+        'off, or leave out a current that did not drive the valve')
+
+
+def check_direction(
+    experiment: Experiment, declared: PositionerParameters, source: str
+) -> None:
+    """Raise RecordError where a position moves against the declared model."""
+    position = experiment.measured.get('valve_position')
+    if position is None or not np.isfinite(position).any():
+        return
+    if alike(position, _driven(experiment).predict(declared)['valve_position']) >= -FOLLOWS:
+        return
+    if np.nansum(position) < 0.0:
+        raise RecordError(
+            f'{source}, column valve_position: lies mostly below 0 and falls where the declared '
+            'model opens: reverse its sign, positions count from where the vented stem rests')
+    raise RecordError(
+        f'{source}, column valve_position: falls where the declared model opens: positions count '
+        'from where the vented stem rests, which is open for a valve that air closes (subtract '
+        'them from the travel)')
+
+
+def _driven(experiment: Experiment) -> Experiment:
+    """Return the experiment with the stem driven by the measured pressure, if there is one."""
+    seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
+    return stem_alone(experiment) if seen else experiment
+
+
+def without_stuck(
+    experiment: Experiment, declared: PositionerParameters, source: str
+) -> Experiment:
+    """
+    Return the experiment without channels that never change where the declared model moves much.
+
+    Such a reading has no noise, so it would outweigh all others. RecordError where no channel is
+    left.
+    """
+    ranges = {'valve_position': declared.actuator.travel, 'mass_flow': np.inf}
+    pressure_stands = stands_still(experiment.measured.get('chamber_pressure', np.array([])))
+    stuck = {}
+    for name, values in experiment.measured.items():
+        if not stands_still(values):
+            continue
+        alone = name == 'valve_position' and not pressure_stands
+        driven = _driven(experiment) if alone else experiment
+        moves = float(np.ptp(driven.predict(declared)[name][np.isfinite(values)]))
+        if moves > STUCK * ranges.get(name, declared.supply.pressure):
+            stuck[name] = (
+                f'{name} is not compared: it reads {np.nanmax(values):.6g} {UNITS[name]} in every '
+                f'row where the declared model moves by {moves:.3g} {UNITS[name]}, which is a '
+                'sensor, or a valve, that sticks fast')
+    if not stuck:
+        return experiment
+    left = {name: values for name, values in experiment.measured.items() if name not in stuck}
+    if not any(np.isfinite(values).any() for values in left.values()):
+        raise RecordError(f'{source}: {"; ".join(stuck.values())}; no other channel is left')
+    return replace(experiment, measured=left, noise={name: experiment.noise[name] for name in left},
+                   notes=(*experiment.notes, *stuck.values()))
+
+
+def stands_still(values: Array) -> bool:
+    """Tell whether a channel reads one value in every row in which it reads any."""
+    known = values[np.isfinite(values)]
+    return len(known) > 0 and bool(np.ptp(known) == 0.0)
+
+
+def check_clock(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
+    """Raise RecordError where time is in another unit than s, as the declared model shows."""
+    step = float(np.median(np.diff(experiment.time)))
+    if USUAL_STEP[0] <= step < USUAL_STEP[1]:
+        return
+    as_given = _closer(experiment) if step > SETTLED else experiment
+    predicted = as_given.predict(declared)
+    sizes = sizes_of(as_given, predicted)
+    given = miss(as_given, predicted, sizes)
+    for unit, seconds in SECONDS.items():
+        other = replace(experiment, time=seconds * experiment.time)
+        suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
+        if suits and miss(other, other.predict(declared), sizes) < CLEARLY_BETTER * given:
+            raise RecordError(
+                f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
+                f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
+                'to seconds')
+
+
+def _closer(experiment: Experiment) -> Experiment:
+    """Return fewer rows, each of which stands until everything has settled, and no longer."""
+    thin, _ = experiment.thinned(max(len(experiment.time) // FEW, 1))
+    return replace(thin, time=SETTLED * np.arange(len(thin.time)))

@@ -1,0 +1,210 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a cleaned record to an experiment."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from booster_ros.signals.stationary_segments import calm_pieces
+from booster_ros.diagnosis.data.experiment import DriveNoise, Experiment
+from booster_ros.signals.noise_level import white_noise
+from booster_ros.signals.noise_autocorrelation import noise_of
+from booster_ros.diagnosis.data.roles import Roles
+from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
+from booster_ros.diagnosis.prepare.timestamp_jitter import (
+    commands_may_be_late, with_noise_of_timing)
+from booster_ros.diagnosis.prepare.plausibility import (
+    check_bench, check_clock, check_direction, check_drive, stands_still, without_stuck)
+from booster_ros.diagnosis.prepare.pressures import check_pressures
+from booster_ros.diagnosis.prepare.reversed_current import check_current
+from booster_ros.diagnosis.prepare.rows import (
+    FEWEST_ROWS, Rows, aligned, between_samples)
+from booster_ros.diagnosis.prepare.sampled_commands import with_sampled_commands
+from booster_ros.diagnosis.prepare.start_state import start_state, with_start_of_converter
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import Record, RecordError
+from booster_ros.records.holding import bridged, last_known
+
+Array = np.ndarray
+
+QUIETING = 25
+"""Number of samples of a measured drive that are averaged to see what its noise adds."""
+
+LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
+               'valve_position': 1e-7, 'mass_flow': 1e-9}
+"""
+Smallest noise of a channel, in its unit: what the solver leaves on thinned rows, 2 Pa and 0.03 um,
+must not count as something that the model lacks. Sensors resolve far less.
+"""
+
+
+def prepare(
+    record: Record, declared: PositionerParameters, dwell: float | None = None
+) -> Experiment:
+    """
+    Return the experiment that is made of a record.
+
+    The most upstream channels drive, the others are compared; rows in and shortly after gaps of
+    the drive do not count. A record without time is a quasi-static sweep whose rows last `dwell`
+    seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
+    """
+    rows = aligned(record, declared, dwell)
+    experiment = _experiment(rows, declared)
+    if not rows.quasi_static:
+        experiment = _without_gaps(experiment, rows, declared)
+    experiment = _checked(experiment, declared, rows.source)
+    if rows.quasi_static:
+        return experiment
+    experiment = _with_doubt_of_timing(experiment, declared, rows.source)
+    if rows.role.commanded and 'back_pressure' not in rows.columns:
+        experiment = with_start_of_converter(experiment, declared)
+    return _with_noise_of_drives(experiment, declared)
+
+
+def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:
+    """Return the experiment of these rows, with the noise and the start that they show."""
+    columns, role, time = rows.columns, rows.role, rows.time
+    compared = {name: np.where(rows.usable, columns[name], np.nan) for name in role.compared}
+    _check_enough(compared, rows.source, *rows.left_out)
+    current = _current(columns, role, rows.quasi_static)
+    pinned = {name: bridged(time, columns[name]) for name in role.pinned}
+    calm = [] if rows.quasi_static else calm_pieces(time, [current, *pinned.values()])
+    told = {name: noise_of(values, calm) for name, values in columns.items() if name != 'time'}
+    # coloured noise is more than its differences show
+    noise = {name: max(each.level, LEAST_NOISE.get(name, 0.0)) for name, each in told.items()}
+    clouded = [name for name in role.compared
+               if told[name].clouded and told[name].level > LEAST_NOISE[name]]
+    return Experiment(
+        time=time,
+        current=current,
+        measured=compared,
+        noise={name: noise[name] for name in role.compared},
+        pinned=pinned,
+        initial=start_state({name: values if np.isfinite(values[0]) else between_samples(
+            columns.get('time'), values) for name, values in columns.items()}, declared, noise),
+        drive_noise={} if rows.quasi_static else {
+            name: _drive_noise(name, values, calm) for name, values in rows.sampled.items()},
+        quasi_static=rows.quasi_static,
+        begins=rows.begins,
+        notes=(*rows.notes, *_colour_notes(calm, rows.quasi_static), *_clouded_notes(clouded)),
+    )
+
+
+def _without_gaps(experiment: Experiment, rows: Rows, declared: PositionerParameters
+                  ) -> Experiment:
+    """Return the experiment without the rows that show what went on in gaps of its drives."""
+    gaps = gaps_that_hide(rows.time, rows.columns, rows.role.drives)
+    usable = rows.usable & caught_up(experiment, declared, gaps)
+    compared = {name: np.where(usable, values, np.nan)
+                for name, values in experiment.measured.items()}
+    left_out = _gap_notes(usable, rows.role)
+    _check_enough(compared, rows.source, *left_out)
+    return replace(experiment, measured=compared, notes=(*experiment.notes, *left_out))
+
+
+def _checked(experiment: Experiment, declared: PositionerParameters, source: str) -> Experiment:
+    """
+    Return the experiment without channels that are stuck, those that stand still noted.
+
+    RecordError where its values cannot be of this valve.
+    """
+    check_drive(experiment, declared, source)
+    check_bench(experiment, declared, source)
+    if not experiment.quasi_static:
+        check_clock(experiment, declared, source)
+    check_pressures(experiment, declared, source)
+    check_current(experiment, declared, source)
+    check_direction(experiment, declared, source)
+    experiment = without_stuck(experiment, declared, source)
+    return replace(experiment, notes=(*experiment.notes, *_still_notes(experiment.measured)))
+
+
+def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters, source: str
+                          ) -> Experiment:
+    """Return the experiment with what is not known of when its commands were given."""
+    told = with_sampled_commands(experiment, declared)
+    if told is not experiment:
+        _check_enough(told.measured, source, *told.notes[-1:])
+        return told
+    if commands_may_be_late(experiment):
+        return with_noise_of_timing(experiment, declared)
+    return experiment
+
+
+def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
+    """Return the current that stands from each row to the next."""
+    if not role.commanded:
+        return np.zeros(len(next(iter(columns.values()))))
+    current = columns['control_current']
+    current = current[last_known(current)]  # the first row has one
+    if quasi_static:
+        # a row of a sweep was read after its own current had stood
+        return np.append(current[1:], current[-1:])
+    return current
+
+
+def _drive_noise(name: str, sampled: Array, calm: list[slice]) -> DriveNoise:
+    """
+    Return the noise of a measured drive from its samples, before rows between them are filled.
+
+    The steps between its values do not count: levels at which it stood are no resolution.
+    """
+    coloured = noise_of(sampled, calm)
+    level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))
+    every = round(len(sampled) / np.isfinite(sampled).sum())
+    return DriveNoise(max(float(level), LEAST_NOISE[name]), every, coloured.correlation)
+
+
+def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> None:
+    rows = max(int(np.isfinite(values).sum()) for values in compared.values())
+    if rows < FEWEST_ROWS:
+        raise RecordError(
+            '; '.join((f'{source}: only {rows} rows can be compared with the model, at least '
+                       f'{FEWEST_ROWS} are needed', *notes)))
+
+
+def _colour_notes(calm: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
+    if quasi_static or calm:
+        return ()
+    return ('what drives the valve hardly rests, nor moves smoothly for long: noise is taken as '
+            'white, as its colour shows there alone; where a sensor is damped there is more of it, '
+            'up to several times, and what seems to be missed may be noise',)
+
+
+def _clouded_notes(clouded: Sequence[str]) -> tuple[str, ...]:
+    if not clouded:
+        return ()
+    return (f'the noise of {" and ".join(clouded)} is taken as white: where the drives are calm, '
+            'the valve still moves (slips, hunting, a supply that ripples), which hides how noise '
+            'carries over from row to row; where a sensor is damped there is more of it than is '
+            'said here',)
+
+
+def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:
+    if usable.all():
+        return ()
+    return (f'{int((~usable).sum())} rows in gaps of {" or ".join(role.drives)}, and after them '
+            'until the chamber has caught up, are not compared',)
+
+
+def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
+    return tuple(f'{name} stands still: every row has the same value'
+                 for name, values in compared.items() if stands_still(values))
+
+
+def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """Return the experiment with what the noise of measured drives adds to that of channels."""
+    if not experiment.drive_noise:
+        return experiment
+    # noise on top of noise would move a booster whose two seats differ by another amount
+    quiet = replace(experiment, pinned={
+        name: uniform_filter1d(values, QUIETING * experiment.drive_noise[name].every)
+        for name, values in experiment.pinned.items()})
+    still = quiet.predict(declared)
+    moved = quiet.shaken(experiment.drive_noise, np.random.default_rng(1)).predict(declared)
+    return replace(experiment, noise={
+        name: float(np.hypot(level, np.sqrt(np.nanmean((moved[name] - still[name])**2))))
+        for name, level in experiment.noise.items()})

@@ -1,0 +1,162 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a cleaned record to the rows that an experiment is made of, on one clock."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.data.roles import Roles, roles
+from booster_ros.diagnosis.prepare.plausibility import check_scales
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import Record, RecordError
+from booster_ros.records.holding import bridged
+from booster_ros.records.time_axis import longest_usual
+
+Array = np.ndarray
+
+DWELL_PINNED = 0.25
+DWELL_FILLED = 30.0
+"""How long each row of a sweep without time stands, s: where the chamber pressure drives, only the
+stem has to follow; where the current or the back pressure does, the chamber has to fill."""
+
+FEWEST_ROWS = 12
+"""Smallest number of rows that must be comparable."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """
+    The rows of a record that an experiment is made of, by column, SI units.
+
+    `columns` has measured drives filled between their samples, `sampled` has them as they were.
+    `time` counts from the first row, at `begins`, s in the record's clock. `usable` rows have known
+    drives. `left_out` says what of the record is not there, `notes` that and all else.
+    """
+
+    source: str
+    columns: dict[str, Array]
+    sampled: dict[str, Array]
+    role: Roles
+    time: Array
+    begins: float
+    quasi_static: bool
+    usable: Array
+    left_out: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def aligned(record: Record, declared: PositionerParameters, dwell: float | None) -> Rows:
+    """Return the rows of a record that can be used, their drives known and on one clock."""
+    record, idle = _without_idle_command(record)
+    needed = roles(record.columns, record.source, record.ignored).compared
+    record, sparse = _without_sparse(record, needed)
+    role = roles(record.columns, record.source)
+    columns, trimmed = _from_known_start(record, role)
+    check_scales(columns, declared, record.source)
+    sampled = {name: columns[name] for name in role.pinned}
+    time = columns.get('time')
+    quasi_static = time is None
+    begins = 0.0
+    if time is None:
+        time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
+    else:
+        columns |= {name: between_samples(time, values) for name, values in sampled.items()}
+        if time[0] != 0.0:  # what warms up or swings does so from where the record begins
+            begins = float(time[0])
+            trimmed = (*trimmed, f'time counted from the first row used, at {begins:.9g} s')
+            time = time - begins
+    return Rows(
+        source=record.source, columns=columns, sampled=sampled, role=role, time=time,
+        begins=begins, quasi_static=quasi_static,
+        usable=_usable_rows(time, columns, role, quasi_static), left_out=(*sparse, *trimmed),
+        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)))
+
+
+def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
+    """Return the record of a sweep without a current that is 0 in every row that is compared."""
+    current = record.columns.get('control_current')
+    if current is None or 'time' in record or np.any(np.nan_to_num(current[1:])):
+        return record, ()
+    others = {name: values for name, values in record.columns.items() if name != 'control_current'}
+    return replace(record, columns=others), (
+        'control_current is 0 A in every row that a sweep is compared in: it did not drive it',)
+
+
+def _without_sparse(record: Record, compared: Collection[str]) -> tuple[Record, tuple[str, ...]]:
+    """Return the record without channels of too few values to compare, if others have enough."""
+    counts = {name: int(np.isfinite(record[name]).sum()) for name in compared}
+    sparse = {name: count for name, count in counts.items() if count < FEWEST_ROWS}
+    if len(sparse) == len(counts):
+        return record, ()
+    others = {name: values for name, values in record.columns.items() if name not in sparse}
+    return replace(record, columns=others), tuple(
+        f'{name} is not compared: it has {count} of the {FEWEST_ROWS} values needed'
+        for name, count in sparse.items())
+
+
+def _from_known_start(
+    record: Record, role: Roles
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Return the columns from the first row with drives and start to the last row with drives."""
+    drives = list(role.drives)
+    needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
+    time = record.columns.get('time')
+    known = {name: np.isfinite(record[name] if name == 'control_current' else
+                               between_samples(time, record[name])) for name in needed}
+    driven, started = (np.all([known[name] for name in names], axis=0)
+                       if names else np.ones(len(record), dtype=bool) for names in (drives, needed))
+    if not started.any():
+        raise RecordError(f'{record.source}: no row has all of {", ".join(needed)}')
+    first, last = int(np.argmax(started)), len(record) - int(np.argmax(driven[::-1]))
+    columns = {name: np.asarray(values[first:last]) for name, values in record.columns.items()}
+    return columns, (*_left_out(record, needed, 0, first), *_left_out(record, drives, last, None))
+
+
+def _left_out(record: Record, needed: list[str], first: int, last: int | None) -> tuple[str, ...]:
+    """Return a sentence on the rows at an end that were left out, if any."""
+    rows = record.rows[first:last]
+    if not len(rows):
+        return ()
+    lacking = [name for name in needed if not np.isfinite(record[name][first:last]).all()]
+    return (f'rows {rows[0]} to {rows[-1]} left out: they lack {" or ".join(lacking)}',)
+
+
+def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
+    step = dwell or (DWELL_PINNED if 'chamber_pressure' in role.pinned else DWELL_FILLED)
+    return step * np.arange(rows)
+
+
+def _usable_rows(
+    time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
+) -> Array:
+    """Return which rows have known drives that, in a sweep, were dwelt on."""
+    usable = np.ones(len(time), dtype=bool)
+    if not role.drives:
+        return usable
+    for name in role.drives:
+        usable &= np.isfinite(columns[name])
+    if quasi_static:
+        # a sweep of currents starts settled at its first one; only later ones were dwelt on
+        usable[0] &= not role.commanded
+    return usable
+
+
+def between_samples(time: Array | None, values: Array) -> Array:
+    """Return values sampled more slowly than the rows, filled except in gaps of their own."""
+    if time is None:
+        return values
+    known = time[np.isfinite(values)]
+    if len(known) < 3:
+        return values
+    after = np.searchsorted(known, time).clip(1, len(known) - 1)
+    near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
+    near &= (time >= known[0]) & (time <= known[-1])
+    return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
+
+
+def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:
+    if not quasi_static:
+        return ()
+    return (f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row',)

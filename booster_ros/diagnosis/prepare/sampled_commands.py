@@ -1,0 +1,97 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Commands that were read now and then, as a plant's historian does, not recorded as they were given.
+
+The valve took each command at some moment in the row before. The record tells that it is so, as it
+shows what the valve has made of a command before it shows the command. Then
+
+1. the command is taken to run straight from row to row: a command that moves on slowly did so;
+2. where commands jump, the declared model is run several times with each jump at either end of its
+   row, and rows count once all runs come to the same, within the noise.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+AHEAD = 0.2
+"""What the valve has done before the row of a command, as a share of what the command does after
+it, above which commands were read now and then."""
+
+JUMP = 0.05
+"""Smallest jump of the command, relative to its range."""
+
+AT_REST, FEWEST = AHEAD, 5
+"""
+Largest movement of the model before a jump that tells, as a share of what it does next, and
+smallest number of such jumps. A valve that was at rest while the model was still on its way looks
+ahead by as much as the model moved.
+"""
+
+DRAWS = 8
+"""Number of runs, in each of which every jump is drawn anew at either end of its row: what two
+jumps leave may cancel."""
+
+
+def with_sampled_commands(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """Return the experiment with commands as read now and then, as it is where they were not."""
+    if not _ahead_of_commands(experiment, declared):
+        return experiment
+    current = experiment.current
+    following = np.append(current[1:], current[-1:])
+    jumps = np.abs(following - current) > JUMP * np.ptp(current)
+    rng = np.random.default_rng(1)
+    runs = []
+    for _ in range(DRAWS):
+        taken = np.where(rng.random(len(current)) < 0.5, current, following)
+        runs.append(replace(
+            experiment, current=np.where(jumps, taken, current),
+            ends=np.where(jumps, taken, following)).predict(declared))
+    measured = {
+        name: np.where(np.ptp([run[name] for run in runs], axis=0) > experiment.noise[name],
+                       np.nan, values)
+        for name, values in experiment.measured.items()}
+    hidden = {name: int(np.isfinite(values).sum() - np.isfinite(measured[name]).sum())
+              for name, values in experiment.measured.items()}
+    rows = ', '.join(f'{count} of {name}' for name, count in hidden.items())
+    return replace(experiment, ends=following, measured=measured, notes=(
+        *experiment.notes, 'the valve moves before the rows that have its commands, so these were '
+        'read now and then: from row to row it is taken to run straight, and after a jump rows are '
+        f'not compared until it no longer matters when it came ({rows}); record commands when they '
+        'are given'))
+
+
+def _ahead_of_commands(experiment: Experiment, declared: PositionerParameters) -> bool:
+    """
+    Tell whether the valve moves before the row that has its command.
+
+    Asked only where rows are further apart than the time that the E/P converter takes: there it
+    shows, and matters.
+    """
+    current = experiment.current
+    apart = float(np.median(np.diff(experiment.time)))
+    if np.ptp(current) == 0.0 or apart < declared.ep_converter.time_constant:
+        return False
+    jumps = 1 + np.flatnonzero(np.abs(np.diff(current[:-1])) > JUMP * np.ptp(current))
+    predicted = experiment.predict(declared)
+    return any(_ahead(measured, predicted[name], jumps, experiment.noise[name])
+               for name, measured in experiment.measured.items())
+
+
+def _ahead(measured: Array, predicted: Array, jumps: Array, noise: float) -> bool:
+    """Tell whether a channel moves ahead, by what it does beyond the model just before jumps."""
+    after = predicted[jumps + 1] - predicted[jumps]
+    before = predicted[jumps] - predicted[jumps - 1]
+    early = measured[jumps] - measured[jumps - 1] - before
+    told = np.isfinite(early) & (np.abs(before) < AT_REST * np.abs(after))
+    if np.count_nonzero(told) < FEWEST:
+        return False
+    early, after = early[told], after[told]
+    square = float(after @ after)
+    return float(early @ after) / square - 3.0 * noise * np.sqrt(2.0 / square) > AHEAD

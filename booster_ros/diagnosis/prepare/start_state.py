@@ -1,0 +1,124 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where a record starts: chamber pressure, stem position and back pressure in its first rows."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.model.ep_converter import settled_back_pressure
+from booster_ros.model.memory import Departure
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+_FIRST_ROWS = 5
+"""Number of first rows, which are averaged if the signal stands still in them."""
+
+_AT_STOP = 0.02
+"""Share of the travel within which a stem may rest against its stop."""
+
+_FIRST_SECONDS = 3.0
+"""Time from the first row on that tells where the converter started."""
+
+_EVIDENT = 0.1
+_NEARLY_SETTLED = 10e3
+"""Largest share of the squared error of the first seconds that another start of the converter may
+leave, and its smallest distance from settled, Pa, to be taken; nearer ones a fit finds."""
+
+_ROWS_FOR_A_START = 12
+"""With fewer rows in the first seconds the converter is taken as settled."""
+
+
+def start_state(
+    columns: Mapping[str, Array], declared: PositionerParameters, noise: Mapping[str, float]
+) -> Initial:
+    """Return the start in SI units; what was not measured follows from the declared parameters."""
+    position = None
+    if 'valve_position' in columns:
+        position = first_value(columns['valve_position'], noise['valve_position'])
+    if 'chamber_pressure' in columns:
+        pressure = first_value(columns['chamber_pressure'], noise['chamber_pressure'])
+        if pressure is not None:
+            return Initial(pressure, valve_position=position)
+    return Initial(_unmeasured_pressure(columns, declared, position), valve_position=position)
+
+
+def first_value(values: Array, noise: float) -> float | None:
+    """Return the mean of the first rows, or the first alone where they move; None if missing."""
+    first = values[:_FIRST_ROWS]
+    first = first[np.isfinite(first)]
+    if not len(first) or not np.isfinite(values[0]):
+        return None
+    moved = abs(first[-1] - first[0]) > 3.0 * np.sqrt(2.0) * noise
+    return float(first[0] if moved else np.mean(first))
+
+
+def with_start_of_converter(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """
+    Return the experiment with the E/P converter starting away from settled where it evidently did.
+
+    A record may begin with its first command while the converter is still at an earlier one. Then
+    the first seconds call for a far different back pressure.
+    """
+    rows = experiment.time <= experiment.time[0] + _FIRST_SECONDS
+    first = replace(
+        experiment, time=experiment.time[rows], current=experiment.current[rows],
+        ends=None if experiment.ends is None else experiment.ends[rows],
+        measured={name: values[rows] for name, values in experiment.measured.items()},
+        pinned={name: values[rows] for name, values in experiment.pinned.items()})
+    if len(first.time) < _ROWS_FOR_A_START:
+        return experiment
+
+    def start(departure: float) -> Initial:
+        return replace(experiment.initial, departure=Departure(float(departure)))
+
+    def missed(departure: float) -> float:
+        predicted = first.predict(declared, start(departure))
+        return float(sum(np.nansum(((values - predicted[name]) / first.noise[name])**2)
+                         for name, values in first.measured.items()))
+
+    supply = declared.supply.pressure
+    settled = settled_back_pressure(declared.ep_converter, first.current[0], supply, 0.0, 0.0)
+    found = minimize_scalar(missed, bounds=(-settled, supply - settled), method='bounded')
+    if found.fun >= _EVIDENT * missed(0.0) or abs(found.x) < _NEARLY_SETTLED:
+        return experiment
+    note = (f'the E/P converter had not settled at the first command: it is taken to start at '
+            f'{settled + found.x:.0f} Pa')
+    return replace(experiment, initial=start(found.x), notes=(*experiment.notes, note))
+
+
+def _unmeasured_pressure(
+    columns: Mapping[str, Array], declared: PositionerParameters, position: float | None
+) -> float:
+    """
+    Return the chamber pressure, Pa gauge, at which a record without it must have started.
+
+    Off the stops the spring tells it; elsewhere it is where the booster settles.
+    """
+    opens, opened = declared.actuator.bench_set
+    settled = _settled_pressure(columns, declared)
+    if position is None:
+        return settled
+    stroke = position / declared.actuator.travel
+    if stroke < _AT_STOP:
+        return min(settled, opens)
+    if stroke > 1.0 - _AT_STOP:
+        return max(settled, opened)
+    return opens + stroke * (opened - opens)
+
+
+def _settled_pressure(columns: Mapping[str, Array], declared: PositionerParameters) -> float:
+    """Return the pressure at which the three diaphragms balance in the first row."""
+    supply = declared.supply.pressure
+    if 'supply_pressure' in columns:
+        supply = float(columns['supply_pressure'][0])
+    back = float(columns['back_pressure'][0]) if 'back_pressure' in columns else np.nan
+    if not np.isfinite(back):  # compared channels may begin later
+        current = float(columns['control_current'][0]) if 'control_current' in columns else 0.0
+        back = settled_back_pressure(declared.ep_converter, current, supply, 0.0, 0.0)
+    b = declared.booster
+    return min(max((back * b.s1 - supply * (b.s2 - b.s3)) / b.s3, 0.0), supply)

@@ -1,0 +1,100 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The decisions of a selection, each a row with its reason.
+
+| question | answer yes where | why |
+|---|---|---|
+| does the record call for m' beside m? | evidence and prediction of blocks (`accepted`) | below |
+| is what is left noise? | reduced chi-square below NOISE | the level of noise is known so well |
+| does the first of two models stand for both? | log Z within TIE | odds of 20 to 1 |
+| is m' confirmed, likely, or a candidate? | `standing` | what an engineer may rely on |
+
+m' is accepted in the place of m where, tempered by what the best candidate leaves,
+
+    log Z(m') - log Z(m)  >  log(number of candidates) + log 20
+
+so that of twenty records in which nothing is missing one gets something added at the most, whatever
+the number of candidates (Bonferroni); and where the gain in elpd, left-out block by left-out block,
+does not rest on a single block: it is positive without the block that gains most. Gains of an
+effect that shows in a few steps only are far from normal, and twice their standard error would
+reject what three of twenty blocks show beyond doubt.
+"""
+
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+
+from booster_ros.diagnosis.selection.score import Score
+
+ODDS = 20.0
+"""Odds from which a difference counts: 19 to 1 is the usual 95 %."""
+
+TIE = log(ODDS)
+"""Difference of log evidence up to which two models are not told apart."""
+
+NOISE = 1.15
+"""Reduced chi-square up to which what is left may be noise: its level is estimated to some 5 %,
+which is 10 % in its square."""
+
+NEARLY_ALL = 0.97
+"""Share of what is missing that an effect explains if its law may be merely an idealised one: no
+smooth term takes its place, and none is looked for."""
+
+LARGE, MOST = 9.0, 0.8
+"""Reduced chi-square (three times the noise), and share of what was missing: a model that leaves
+more than the first and explains less than the second is a candidate, not a finding."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """
+    What a record says of one model against another.
+
+    Differences of log evidence and of elpd, + where the first is better, the standard error of the
+    latter over blocks, the elpd gained without the block that gains most, and c.
+    """
+
+    log_evidence: float
+    elpd: float
+    standard_error: float
+    without_best_block: float
+    dispersion: float
+
+
+def compare(one: Score, other: Score, c: float) -> Comparison:
+    """Return what the record says of `one` against `other`, both scored on the same blocks."""
+    gains = one.predictive_density(c) - other.predictive_density(c)
+    error = float(np.std(gains, ddof=1) * np.sqrt(len(gains))) if len(gains) > 1 else 0.0
+    return Comparison(
+        one.log_evidence(c) - other.log_evidence(c), float(gains.sum()), error,
+        float(gains.sum() - gains.max()), c)
+
+
+def accepted(found: Comparison, candidates: int) -> bool:
+    """Tell whether the record calls for the first model, one of so many candidates."""
+    return (found.log_evidence > log(max(candidates, 1)) + log(ODDS)
+            and found.without_best_block > 0.0)
+
+
+def why_not(found: Comparison, candidates: int) -> str:
+    """Return why a model is not accepted, '' where it is."""
+    if accepted(found, candidates):
+        return ''
+    if found.without_best_block <= 0.0 < found.log_evidence:
+        return 'its gain rests on a single block of the record'
+    return 'the evidence for it is not enough'
+
+
+def standing(explained: float, reduced_chi2: float, at_bound: bool, stands_in_test: bool) -> str:
+    """
+    Return what may be relied on: 'confirmed', 'likely' or 'candidate'.
+
+    Candidate: it stands at a bound of its range, or it leaves more than three times the noise and
+    explains less than four fifths of what was missing. Likely: it explains that much, but the test
+    set is not met better with it, or much is left. Confirmed: neither.
+    """
+    if at_bound or (reduced_chi2 > LARGE and explained < MOST):
+        return 'candidate'
+    return 'confirmed' if stands_in_test and reduced_chi2 < LARGE else 'likely'

@@ -1,0 +1,81 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Distinguishability: which effects a record cannot tell from one that it shows.
+
+Two answers are given together. Models that were fitted, and whose evidence is within TIE of the
+chosen one's. And by expected discrimination: if a fitted effect were the truth, the record would be
+what the model predicts, and another effect in its place would leave unexplained what no parameter
+can imitate. Scaled by the noise, the sum of squares of that is what the other costs more than the
+truth, on average over all noise:
+
+1. the measured values are replaced by the prediction of the fit;
+2. the effect is taken out, all else stays;
+3. every other effect is screened in its place.
+
+Where that cost is less than what tells models apart, no fit to this record can decide.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.estimation.fit import carried, fit_at
+from booster_ros.diagnosis.estimation.observation import ROWS
+from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.hypotheses.compose import redundant
+from booster_ros.diagnosis.selection.decide import TIE
+from booster_ros.diagnosis.selection.screening import reference_at, screen
+from booster_ros.diagnosis.selection.stepwise import Selection, comparison
+from booster_ros.diagnosis.selection.task import Model, Task
+from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
+
+_A_FREQUENCY = np.array([0.5])
+
+
+def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[str, ...]:
+    """Return the effects that could take the place of this one for all that the record says."""
+    rest = set(chosen.but(name))
+    found = []
+    for one in selection.models:
+        instead = set(one.effects) - rest
+        if (len(instead) == 1 and rest <= set(one.effects) and name not in instead
+                and instead <= EFFECTS.keys() and one.problem.observed == chosen.problem.observed
+                and comparison(task, chosen, one, []).log_evidence < TIE):
+            found += sorted(instead)
+    if chosen.problem.observation is ROWS:
+        found += _indistinct(task, chosen, name)
+    return tuple(dict.fromkeys(found))
+
+
+def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:
+    """Return the effects that expected discrimination does not tell from this one."""
+    whole = task.problem(chosen.effects)
+    z = carried(whole, chosen.fit)
+    rest = task.problem(chosen.but(name))
+    rest = replace(rest, experiment=_as_predicted(whole, z))
+    around = [reference_at(rest, fit_at(rest, carried(rest, chosen.fit)))]
+    known = float(np.sum(whole.residuals(z)[whole.observed:]**2))
+    # thinned rows tell so much less than all of them
+    most = 2.0 * TIE * chosen.score.dispersion * whole.observed / max(chosen.problem.observed, 1)
+
+    def cost(other: str) -> float:
+        return screen(rest, around, other, _A_FREQUENCY).cost - known
+
+    others = [other for other in task.names if other not in chosen.effects
+              and not EFFECTS[other].rubs and not redundant(other, chosen.but(name))]
+    return [other for other, more in zip(others, side_by_side(cost, others)) if more < most]
+
+
+def _as_predicted(problem: Problem, z: Array) -> Experiment:
+    """Return the experiment with the prediction at z where a value was measured."""
+    predicted = problem.predict(z)
+    if predicted is None:
+        raise ValueError('the fitted model cannot run')
+    return replace(problem.experiment, measured={
+        name: np.where(np.isfinite(values), predicted[name], np.nan)
+        for name, values in problem.experiment.measured.items()})

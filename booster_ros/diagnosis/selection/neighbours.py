@@ -1,0 +1,175 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The neighbours of a model in a stepwise selection: the models with one effect more.
+
+1. What all but noise explains already may lack a small effect only: a score test on every row tells
+   which (`promise`), and these are fitted.
+2. Else, screen every effect on thinned rows, take the first steps of a fit from where screening
+   leads, and fit those that get furthest to their end.
+3. Fit those near the best to every row, and score them there.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from booster_ros.diagnosis.estimation.fit import (
+    Fit, carried, first_steps, fit, fit_at, nominal)
+from booster_ros.diagnosis.estimation.observation import ROWS
+from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
+from booster_ros.diagnosis.hypotheses.friction import friction_starts
+from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
+from booster_ros.diagnosis.selection.decide import NOISE, TIE
+from booster_ros.diagnosis.selection.screening import (
+    Screened, promise, reference_at, references, screen, strong_frequencies)
+from booster_ros.diagnosis.selection.task import Model, Task, upstream_task
+from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
+Tick = Callable[[], None]
+
+BEGUN, FIRST_STEPS = 6, 4
+"""Number of screened effects that get first steps of a fit, and how many: screening ranks the right
+one among the first six."""
+
+FINISHED = 4
+"""Number of those that are fitted to their end, on thinned rows, and then to every row."""
+
+FAR = 6.0
+"""Multiple of the best cost after the first steps from which an effect is fitted no further."""
+
+MOST_NEAR, BEHIND = 3, 4.0 * TIE
+"""Number of models that are fitted to every row, at the most, and how far their log evidence on
+thinned rows may be behind the best one's: an eighth of the rows tells an eighth of it."""
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Models on every training row, which may be chosen, and others left at thinned rows."""
+
+    near: list[Model]
+    far: list[Model]
+
+
+def fitted_to_every_row(task: Task, effects: tuple[str, ...], problem: Problem, *starts: Array
+                        ) -> Model:
+    """Return the model fitted to every training row."""
+    whole = task.on_every_row(problem)
+    return task.scored(effects, whole, fit(whole, starts))
+
+
+def refitted(task: Task, effects: tuple[str, ...] = (), *sources: Fit) -> Model:
+    """
+    Return the model with these effects, fitted to thinned, then to every row.
+
+    From the values that its parameters have in the sources, and from there with the declared
+    parameters as given.
+    """
+    problem = task.problem(effects)
+    starts = [problem.start()]
+    if sources:
+        warm = carried(problem, *sources)
+        starts = [warm, nominal(problem, warm)]
+    return fitted_to_every_row(task, effects, problem, fit(problem, starts).z)
+
+
+def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = lambda: None
+               ) -> Neighbours:
+    """Return the models with one effect more than the parent, those near the best on every row."""
+    wanted = [name for name in names
+              if name not in parent.effects and not redundant(name, parent.effects)]
+    if parent.reduced_chi2 < NOISE:
+        begun = _small(task, parent, wanted)
+        return Neighbours([fitted_to_every_row(task, (*parent.effects, name), problem, z)
+                           for name, problem, z in begun], [])
+    thin = _begun(task, parent, wanted, tick)
+    near, far = [], []
+    for observation in dict.fromkeys(one.problem.observation for one in thin):
+        same = [one for one in thin if one.problem.observation is observation]
+        c = min(same, key=lambda one: one.score.cost).score.dispersion
+        same.sort(key=lambda one: -one.score.log_evidence(c))
+        top = same[0].score.log_evidence(c)
+        near += [one for one in same[:MOST_NEAR] if one.score.log_evidence(c) > top - BEHIND]
+    for one in thin:
+        if one not in near:
+            far.append(one)
+    found = []
+    for one in near:
+        found.append(fitted_to_every_row(task, one.effects, one.problem, one.fit.z))
+        tick()
+    return Neighbours(found, far)
+
+
+def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:
+    """
+    Return z with what the subsystem above the stem tells, all else of the declared as given.
+
+    The parameters of a model without friction have imitated it; above the stem nothing rubs.
+    """
+    begin = nominal(joint, carried(joint, parent.fit))
+    above = upstream_task(task)
+    if above is None:
+        return begin
+    effects = tuple(filter(is_upstream, parent.effects))
+    problem = above.problem(effects)
+    seen = fit(problem, [nominal(problem, carried(problem, parent.fit))])
+    return carried(joint, replace(parent.fit, z=nominal(parent.problem, parent.fit.z)), seen)
+
+
+def _small(task: Task, parent: Model, names: list[str]) -> list[tuple[str, Problem, Array]]:
+    """Return the effects whose score test promises that they are accepted, and where they lead."""
+    problem, found = parent.problem, parent.fit
+    reference = reference_at(problem, found)
+    frequencies = strong_frequencies(problem, found.z)
+    promised = side_by_side(lambda name: promise(problem, reference, name, frequencies), names)
+    least = found.cost - 2.0 * TIE * parent.score.dispersion
+    hopeful = sorted((one for one in promised if one is not None and one.cost < least),
+                     key=lambda one: one.cost)
+    return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.start)
+            for one in hopeful[:FINISHED]]
+
+
+def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Model]:
+    """Return the models with the effects that get furthest on thinned rows, fitted to these."""
+    problem = task.problem(parent.effects)
+    found = fit_at(problem, parent.fit.z)
+    smooth = problem.observation is ROWS
+    around = references(problem, found) if smooth else [reference_at(problem, found)]
+    frequencies = strong_frequencies(problem, found.z)
+    slipping = [name for name in names if EFFECTS[name].rubs]
+
+    def screened(name: str) -> Screened:
+        one = screen(problem, around, name, frequencies, few=not smooth)
+        tick()
+        return one
+
+    quick = sorted(side_by_side(screened, [name for name in names if name not in slipping]),
+                   key=lambda one: one.cost)
+    steps: list[tuple[str, Fit, Problem]] = []
+    for one in quick[:BEGUN]:
+        ends = [first_steps(one.problem, start, FIRST_STEPS) for start in one.starts[:2]]
+        if ends:
+            steps.append((one.effect, min(ends, key=lambda end: end.cost), one.problem))
+        tick()
+    steps.sort(key=lambda step: step[1].cost)
+    ended = []
+    for name, end, joint in steps[:FINISHED]:
+        if end.cost < FAR * steps[0][1].cost:
+            ended.append(task.scored((*parent.effects, name), joint, fit(
+                joint, [end.z, nominal(joint, end.z)])))
+        tick()
+    # slips are slow to simulate, and nothing calls for them where another effect leaves noise
+    met = any(one.reduced_chi2 < NOISE for one in ended)
+    for name in () if met else slipping:
+        effects = (*parent.effects, name)
+        joint = task.problem(effects)
+        begun = [first_steps(joint, start, FIRST_STEPS)
+                 for start in friction_starts(joint, _seen_upstream(task, parent, joint))]
+        ended.append(task.scored(effects, joint, fit(
+            joint, [min(begun, key=lambda end: end.cost).z])))
+        tick()
+    return ended

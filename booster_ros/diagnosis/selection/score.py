@@ -1,0 +1,120 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The score of a fitted model: its evidence, and how well each block is predicted from the others.
+
+With the residuals r of the observations and their Jacobian J at the estimate z, the precision P of
+what is known of z beforehand, and blocks b (whole steps and ramps),
+
+    log Z   = -1/2 (|r|²/c + z'Pz) + 1/2 log det P - 1/2 log det(J'J/c + P)
+    z_-b    = z + (J'J - J_b'J_b + c P)^-1 J_b' r_b
+    elpd_b  = -1/2 |r_b + J_b (z_-b - z)|² / c
+
+The first is Laplace's approximation to the evidence (D. MacKay, Neural Computation 4 (1992) 415),
+the second leaves one block out by a linear solve (D. Allen's PRESS), the third is the expected log
+predictive density of that block, up to a constant.
+
+What no candidate explains is an error of all of them: real valves differ from every model, and
+what is left is neither white nor of the size of the noise. So likelihoods are tempered by c, the
+over-dispersion and autocorrelation of what the best candidate leaves (quasi-likelihood: P. McCullagh
+and J. Nelder, Generalized Linear Models, 1989, 4.5; J. Miller and D. Dunson, JASA 114 (2019) 1113).
+With a perfect model c is 1.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.problem import Problem
+
+Array = np.ndarray
+
+SHORTEST_SEQUENCE = 20
+"""Number of residuals of a channel below which nothing is said of their autocorrelation."""
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """
+    What the evidence and the left-out blocks of a fitted model need, for any c.
+
+    `cost` and `prior` are the sums of squares of observations and of what is known beforehand;
+    `costs`, `gradients` and `information`, shapes (blocks,), (blocks, k), (blocks, k, k), are those
+    of each block over the k variables that do not stand at a bound; `precision` (k,) is that of
+    their priors. `dispersion` is c of this model alone.
+    """
+
+    cost: float
+    prior: float
+    observed: int
+    dispersion: float
+    costs: Array = field(repr=False)
+    gradients: Array = field(repr=False)
+    information: Array = field(repr=False)
+    precision: Array = field(repr=False)
+
+    def log_evidence(self, c: float = 1.0) -> float:
+        """Return log Z, tempered by c."""
+        posterior = self.information.sum(axis=0) / c + np.diag(self.precision)
+        _, logarithm = np.linalg.slogdet(posterior)
+        return float(-0.5 * (self.cost / c + self.prior)
+                     + 0.5 * np.sum(np.log(self.precision)) - 0.5 * logarithm)
+
+    def predictive_density(self, c: float = 1.0) -> Array:
+        """Return elpd of each block when it is left out, tempered by c, shape (blocks,)."""
+        whole = self.information.sum(axis=0) + c * np.diag(self.precision)
+        found = np.empty(len(self.costs))
+        for b, (cost, gradient, own) in enumerate(
+                zip(self.costs, self.gradients, self.information)):
+            step = np.linalg.solve(whole - own, gradient)
+            found[b] = cost + 2.0 * gradient @ step + step @ own @ step
+        return -0.5 * found / c
+
+
+def score_of(problem: Problem, fit: Fit, block_of_row: Array) -> Score:
+    """Return the score of a fit; `block_of_row` says of each row in which block it is."""
+    data = problem.observed
+    residuals, jacobian = fit.residuals[:data], fit.jacobian[:data]
+    low, high = problem.bounds()
+    inside = (fit.z - low > 1e-9) & (high - fit.z > 1e-9)
+    jacobian = jacobian[:, inside]
+    deviation = np.array([free.prior_deviation for free in problem.freedoms]
+                         + [*problem.sigma[len(problem.freedoms):]])[inside]
+    label = np.concatenate([block_of_row[rows] for rows in problem.first_rows])
+    blocks = np.unique(label)
+    costs, gradients = np.empty(len(blocks)), np.empty((len(blocks), jacobian.shape[1]))
+    information = np.empty((len(blocks), jacobian.shape[1], jacobian.shape[1]))
+    for b, k in enumerate(blocks):
+        own = label == k
+        costs[b] = residuals[own] @ residuals[own]
+        gradients[b] = jacobian[own].T @ residuals[own]
+        information[b] = jacobian[own].T @ jacobian[own]
+    channels = np.split(residuals, np.cumsum([len(rows) for rows in problem.first_rows])[:-1])
+    return Score(float(residuals @ residuals), fit.cost - float(residuals @ residuals), data,
+                 dispersion(channels), costs, gradients, information, 1.0 / deviation**2)
+
+
+def dispersion(channels: Sequence[Array]) -> float:
+    """
+    Return c of what is left: its mean square times its autocorrelation time, 1 at the least.
+
+    `channels` are residuals in standard deviations of the noise. The autocorrelation time is
+    1 + 2 sum rho_k up to where pairs of neighbouring rho_k are no longer positive (C. Geyer,
+    Statistical Science 7 (1992) 473).
+    """
+    squares = [float(each @ each) * _autocorrelation_time(each) for each in channels]
+    return max(1.0, sum(squares) / max(sum(map(len, channels)), 1))
+
+
+def _autocorrelation_time(values: Array) -> float:
+    if len(values) < SHORTEST_SEQUENCE or not np.any(values):
+        return 1.0
+    size = 1 << (2 * len(values) - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft(values, size))**2
+    rho = np.fft.irfft(spectrum, size)[:len(values) // 2]
+    rho /= rho[0]
+    pairs = rho[1:len(rho) - 1:2] + rho[2::2][:len(rho[1:len(rho) - 1:2])]
+    positive = int(np.argmin(pairs > 0.0)) if np.any(pairs <= 0.0) else len(pairs)
+    return float(max(1.0, 1.0 + 2.0 * np.sum(pairs[:positive])))

@@ -1,0 +1,384 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Screening: a quick joint fit of every effect with the declared parameters.
+
+Around a reference fit with residuals r(z) and Jacobian J of its variables z, an effect adds
+variables e. Judging an effect by how alike its trace and the residual are misleads, because the
+declared parameters can imitate part of it. So what they can imitate is projected off:
+
+1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
+2. let the reference variables react linearly: z <- z - J+ r, priors included; what remains is the
+   cost that this size can reach;
+3. what remains runs nearly straight from size 0 to e, which tells the size at which it should be
+   least: of the trials that promise most there, simulate six at that size;
+4. linear reckoning fails where the variables react by much. So a few Gauss-Newton steps follow
+   from the best size, with J kept as it is and only the effect's own columns simulated anew (chord
+   steps): what they reach is no promise but a cost that was simulated.
+
+A joint fit begins where the chord steps end, around each reference; also where they began, if they
+did not keep what linear reckoning promised there.
+
+`promise` is the score test of an effect (C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50): step 1 to
+3 for one small size, on every row.
+"""
+
+from dataclasses import dataclass, replace
+import itertools
+
+import numpy as np
+from scipy.signal import periodogram
+
+from booster_ros.diagnosis.estimation.fit import Fit, fit_at, fit
+from booster_ros.diagnosis.estimation.least_squares import straight
+from booster_ros.diagnosis.estimation.parametrisation import TOLD_AT_REST, Free
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.hypotheses.compose import with_effect
+from booster_ros.model.catalogue import EFFECTS
+
+Array = np.ndarray
+
+SIZES, TYPICAL, SMALL = (0.25, 1.0, 3.0), (1.0,), (0.25,)
+"""Multiples of the typical size that are tried; both signs where the effect has two."""
+
+CHORD_STEPS = 4
+CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
+"""Number of chord steps, with the reference's Jacobian, and the parts of each that are tried."""
+
+LENGTHS = 6
+"""Number of trials that are simulated at the size at which they should leave least."""
+
+SHORTEST, LONGEST = 1e-3, 2.0
+"""Bounds of that size, as multiples of the size that was tried."""
+
+UNKEPT = 1.5
+"""
+Multiple of the cost that linear reckoning promised: if chord steps end above it, a fit begins
+where they began as well.
+"""
+
+WORTH_A_STEP = 0.02
+"""Share of the cost: chord steps end when one lowers the cost by less."""
+
+DIFFERENCE = 1e-2
+"""Step in a variable of the effect, by which its column of the Jacobian is formed."""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """
+    An effect, the problem with it added, where to fit from (best first), the costs there.
+
+    A cost was simulated there, or is what linear reckoning promised where chord steps did not keep
+    it or were not taken.
+    """
+
+    effect: str
+    problem: Problem
+    starts: tuple[Array, ...]
+    costs: tuple[float, ...]
+
+    @property
+    def cost(self) -> float:
+        """The least cost seen."""
+        return min(self.costs, default=float('inf'))
+
+
+def _with_sizes(problem: Problem, z: Array, e: Array) -> Array:
+    """Return z with the effect's variables between those of the parameters and of the start."""
+    size = len(z) - problem.nuisances
+    return np.concatenate([z[:size], e, z[size:]])
+
+
+def _no_size(free: tuple[Free, ...]) -> Array:
+    """Return the variables of an effect of no size, its shapes at their typical values."""
+    return np.array([f.without_size for f in free])
+
+
+def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[float, ...]
+                  ) -> list[Array]:
+    """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
+    if any(f.knob.frequency for f in free):
+        return _oscillations(free, frequencies)
+    sizes = [j for j, f in enumerate(free) if not f.knob.shape]
+    steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
+    moves = [{j: step} for j in sizes for step in steps]
+    rubs = [j for j in sizes if free[j].knob.rubs]
+    pairs = [sizes] if len(sizes) == 2 else [(j, k) for j in rubs for k in sizes if k != j]
+    if len(multiples) > 1:
+        moves += [dict(zip(pair, lengths)) for pair in pairs
+                  for lengths in itertools.product(multiples, repeat=2)]
+    # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
+    # simulate; a galled stem may rub in one place alone, which a fit finds from there
+    moves = [move for move in moves
+             if all(abs(step) <= move.get(j, 0.0) for j in rubs for step in move.values())]
+    trials = []
+    for shaped, move in itertools.product(_shapes_to_try(free), moves):
+        e = shaped.copy()
+        for j, step in move.items():
+            e[j] += step
+        if all(f.low <= value <= f.high for f, value in zip(free, e)):
+            trials.append(e)
+    return trials
+
+
+def _shapes_to_try(free: tuple[Free, ...]) -> list[Array]:
+    """Return the effect's variables at no size, with each of the shapes that are to be tried."""
+    values = [[f.variable(value) for value in f.knob.tried] or [none]
+              for f, none in zip(free, _no_size(free))]
+    return [np.array(shaped) for shaped in itertools.product(*values)]
+
+
+def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
+    """Return trials of an oscillation: the residual's strongest frequencies, four phases."""
+    trials = []
+    for frequency, phase in itertools.product(frequencies, (0.0, 1.571, 3.142, -1.571)):
+        e = _no_size(free)
+        for j, f in enumerate(free):
+            if f.knob.frequency:
+                e[j] = f.variable(frequency)
+            elif f.knob.phase:
+                e[j] = f.variable(phase)
+            elif not f.knob.shape:
+                e[j] += 0.5
+        trials.append(e)
+    return trials
+
+
+ABOVE_NOISE = 15.0
+"""Multiple of the median power above which a line stands out: of noise, 1 in 30000 does."""
+
+PADDING = 8
+"""
+Number of parts of the frequency step that the record's length resolves, to which frequencies are
+told. Half of that step off, an oscillation ends as far out of phase as can be, and a fit stops at
+the wrong frequency.
+"""
+
+
+def strong_frequencies(problem: Problem, z: Array) -> Array:
+    """Return the strongest frequencies, Hz, four at most, in what the first channel leaves."""
+    predicted = problem.predict(z)
+    time = problem.experiment.time
+    if predicted is None or len(time) < 32:
+        return np.array([0.5])
+    name = problem.experiment.channels[0]
+    residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
+    even = np.linspace(time[0], time[-1], len(time))  # thinned rows are dense where steps are
+    residual = np.interp(even, time, np.nan_to_num(residual))
+    frequency, power = periodogram(
+        residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear',
+        nfft=PADDING * len(residual))
+    lines = np.maximum(power - ABOVE_NOISE * float(np.median(power)), 0.0)
+    lines[(frequency < 0.02) | (frequency > 15.0)] = 0.0
+    # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
+    weighted = lines * frequency**2
+    found = []
+    for ranking in (weighted, lines):
+        ranking = ranking.copy()
+        for _ in range(2):
+            k = int(np.argmax(ranking))
+            found.append(float(frequency[k]))
+            ranking[max(k - 3 * PADDING, 0):k + 3 * PADDING + 1] = 0.0
+    return np.array(sorted(set(found) - {0.0}) or [0.5])
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A fit around which the declared parameters react linearly."""
+
+    z: Array
+    jacobian: Array
+    factors: tuple[Array, Array]
+    room: tuple[Array, Array]
+    residuals: Array
+    left: Array
+
+    def reaction(self, r: Array) -> Array:
+        """Return the step of z that leaves least of residuals r, within the bounds."""
+        return straight(*self.factors, r, self.room)
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """Variables at a tried size, their cost, and the size on that way that promises the least."""
+
+    z: Array
+    cost: float
+    length: Array
+    promised: float
+
+
+def reference_at(problem: Problem, found: Fit) -> Reference:
+    """Return the reference that a fit of the problem is."""
+    low, high = problem.bounds()
+    return _reference(found.z, found.residuals, found.jacobian, (low - found.z, high - found.z))
+
+
+def _reference(z: Array, r: Array, jacobian: Array, room: tuple[Array, Array]) -> Reference:
+    bare = Reference(z, jacobian, np.linalg.qr(jacobian), room, r, r)
+    return replace(bare, left=r + jacobian @ bare.reaction(r))
+
+
+def _beside(reference: Reference, problem: Problem, joint: Problem) -> Reference:
+    """Return the reference with the priors that the declared parameters have beside the effect."""
+    ratios = np.array([before.sigma / after.sigma for before, after in zip(
+        problem.freedoms, joint.freedoms) if np.isfinite(before.sigma)])
+    if np.all(ratios == 1.0):
+        return reference
+    weights = np.ones(len(reference.residuals))
+    end = len(weights) - problem.nuisances
+    weights[end - len(ratios):end] = ratios
+    size = len(problem.freedoms)
+    low, high = (np.delete(ends, np.s_[size:len(joint.freedoms)]) for ends in joint.bounds())
+    z = reference.z
+    return _reference(z, weights * reference.residuals, weights[:, None] * reference.jacobian,
+                      (low - z, high - z))
+
+
+def references(problem: Problem, found: Fit) -> list[Reference]:
+    """
+    Return what to screen around: the fit, and the same effects with the parameters as given.
+
+    A refit without the effect may have bent the declared parameters so far to imitate it that
+    the true ones are out of linear reach; the given ones are near them. But a pressure that is
+    off at every rest, as a gain may be off by a percent, hides what the given ones lack. So there
+    is a third place: what is told at rest fitted, all else as given.
+    """
+    given = problem.start()
+    for j, free in enumerate(problem.freedoms):
+        if not free.as_given:
+            given[j] = found.z[j]
+    at_rest = [j for j, free in enumerate(problem.freedoms)
+               if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
+    third = [fit_at(problem, _refitted(problem, given, at_rest))] if at_rest else []
+    return [reference_at(problem, place) for place in (found, fit_at(problem, given), *third)]
+
+
+def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
+    """Return z with these freedoms, and the start, fitted from there."""
+    size = len(problem.freedoms)
+    some = replace(problem, base=problem.parameters(z), freedoms=tuple(
+        problem.freedoms[j] for j in which))
+    free = np.r_[which, size:len(z)]
+    found = z.copy()
+    found[free] = fit(some, [z[free]]).z
+    return found
+
+
+def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
+           few: bool = False) -> Screened:
+    """
+    Return the quick joint fit of one effect on top of a fitted problem.
+
+    With `few`, only the typical size is tried, and no chord steps follow.
+    """
+    joint = with_effect(problem, EFFECTS[name])
+    free = joint.freedoms[len(problem.freedoms):]
+    low, high = joint.bounds()
+    starts: list[Array] = []
+    costs: list[float] = []
+    for reference in (_beside(one, problem, joint) for one in around):
+        best, lowest = None, float('inf')
+        trials = [_tried(problem, joint, reference, e)
+                  for e in _sizes_to_try(free, frequencies, TYPICAL if few else SIZES)]
+        further = sorted(trials, key=lambda trial: trial.promised)[:LENGTHS]
+        for trial in (*trials, *(_lengthened(problem, joint, reference, t) for t in further)):
+            if trial.cost < lowest:
+                best, lowest = trial.z, trial.cost
+        if best is not None:
+            found = [(lowest, np.clip(best, low, high))]
+            if not few:
+                reached = _chord(problem, joint, reference, found[0][1])
+                # a promise that the steps did not keep may still be kept by a fit
+                kept = reached[0] < UNKEPT * lowest
+                found = [reached] if kept else [*found, reached]
+            for cost, start in found:
+                if not any(np.allclose(start, other, rtol=1e-3) for other in starts):
+                    starts.append(start)
+                    costs.append(cost)
+    order = np.argsort(costs)
+    return Screened(name, joint, tuple(starts[k] for k in order), tuple(costs[k] for k in order))
+
+
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """What an effect promises by linear reckoning: the cost, and where to fit from."""
+
+    effect: str
+    problem: Problem
+    start: Array
+    cost: float
+
+
+def promise(problem: Problem, reference: Reference, name: str, frequencies: Array
+            ) -> Promise | None:
+    """
+    Return what an effect promises on top of a fit, by a simulation of each of its sizes alone.
+
+    This is for small effects: their trace runs straight from a small size to the one that promises
+    most. None where the effect has no size to try.
+    """
+    joint = with_effect(problem, EFFECTS[name])
+    reference = _beside(reference, problem, joint)
+    trials = [_tried(problem, joint, reference, e) for e in _sizes_to_try(
+        joint.freedoms[len(problem.freedoms):], frequencies, SMALL)]
+    if not trials:
+        return None
+    best = min(trials, key=lambda trial: trial.promised)
+    return Promise(name, joint, _with_sizes(problem, reference.z, best.length), best.promised)
+
+
+def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
+           ) -> tuple[Array, Array]:
+    """Return what remains of the residuals at sizes e when all else reacts, and z there."""
+    r = joint.residuals(_with_sizes(problem, reference.z, e))
+    step = reference.reaction(r)
+    return r + reference.jacobian @ step, _with_sizes(problem, reference.z + step, e)
+
+
+def _tried(problem: Problem, joint: Problem, reference: Reference, e: Array) -> _Trial:
+    """Return what sizes e reach, and what is promised on the way from no size to e and beyond."""
+    free = joint.freedoms[len(problem.freedoms):]
+    left, z = _reach(problem, joint, reference, e)
+    change = left - reference.left
+    share = -float(reference.left @ change) / max(float(change @ change), 1e-300)
+    share = min(max(share, SHORTEST), LONGEST)
+    neutral = np.where([f.knob.shape for f in free], e, _no_size(free))
+    length = np.clip(neutral + share * (e - neutral), [f.low for f in free], [f.high for f in free])
+    promised = reference.left + share * change
+    return _Trial(z, float(left @ left), length, float(promised @ promised))
+
+
+def _lengthened(problem: Problem, joint: Problem, reference: Reference, trial: _Trial) -> _Trial:
+    """Return the trial at the size that promised most."""
+    left, z = _reach(problem, joint, reference, trial.length)
+    return replace(trial, z=z, cost=float(left @ left))
+
+
+def _chord(problem: Problem, joint: Problem, reference: Reference, z: Array
+           ) -> tuple[float, Array]:
+    """Return the cost that chord steps from z reach, and z there."""
+    first = len(problem.freedoms)
+    low, high = joint.bounds()
+    r = joint.residuals(z)
+    cost = float(r @ r)
+    for _ in range(CHORD_STEPS):
+        columns = []
+        for j in range(first, len(joint.freedoms)):
+            moved = z.copy()
+            moved[j] += DIFFERENCE if z[j] + DIFFERENCE <= high[j] else -DIFFERENCE
+            columns.append((joint.residuals(moved) - r) / (moved[j] - z[j]))
+        jacobian = np.column_stack(
+            [reference.jacobian[:, :first], *columns, reference.jacobian[:, first:]])
+        step = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
+        before = cost
+        for share in CHORD_SHARES:
+            trial = np.clip(z + share * step, low, high)
+            found = joint.residuals(trial)
+            if float(found @ found) < cost:
+                z, r, cost = trial, found, float(found @ found)
+                break
+        if before - cost < WORTH_A_STEP * before:
+            break
+    return cost, z

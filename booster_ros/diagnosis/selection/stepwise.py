@@ -1,0 +1,262 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Stepwise selection: effects are added, exchanged and deleted, by one comparison (`decide`).
+
+1. Refit the declared model. Where the subsystem above the stem lacks nothing, only what belongs to
+   the stem or a sensor is tried (fault isolation).
+2. Add the effect with the best evidence among the neighbours, as long as the comparison accepts it.
+   Of two missing effects, either alone may look like none: once, go on from the best one all the
+   same, and accept both together or none.
+3. Where the stem sticks, what lies above it is sought in the upstream subsystem, where slips do not
+   decide.
+4. Where several effects leave more than noise, put others in the place of each; delete each effect
+   that is not called for beside the others.
+5. Where much is left, smooth terms without a name compete with what was found.
+
+Every model that was compared is in the trace, with what the comparison said.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+import itertools
+
+from booster_ros.diagnosis.estimation.observation import WINDOWS
+from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
+from booster_ros.diagnosis.selection.decide import (
+    NEARLY_ALL, NOISE, TIE, Comparison, accepted, compare, why_not)
+from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
+from booster_ros.diagnosis.selection.task import Model, Task, upstream_task
+from booster_ros.diagnosis.selection.terms import best_terms
+from booster_ros.model.catalogue import EFFECTS
+
+Progress = Callable[[str, float], None]
+
+MOST_EFFECTS = 3
+"""Effects in all, at the most: each further one takes a round, and few valves have more."""
+
+ISOLATED, SMOOTHED = 0.02, 3.5
+"""
+Share of the whole model's excess over noise, and reduced chi-square, up to which the upstream
+subsystem lacks nothing: what is missing above the stem leaves 0.4 or more of the excess there, and
+smoothing the measured stem may leave a reduced chi-square of 3.5 by itself.
+"""
+
+_BELOW = frozenset({'stem', 'sensor'})
+
+
+@dataclass(frozen=True)
+class Step:
+    """A comparison of the selection: a model against another, and what became of it."""
+
+    effects: tuple[str, ...]
+    against: tuple[str, ...]
+    reduced_chi2: float
+    found: Comparison
+    outcome: str
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """
+    The refitted declared model, the chosen one, all that were fitted, and the trace.
+
+    `named` is the best model without a term, which the chosen one may have.
+    """
+
+    root: Model
+    chosen: Model
+    named: Model
+    models: tuple[Model, ...]
+    trace: tuple[Step, ...]
+
+
+class _Trace:
+    """Models and steps so far: what is written down, and nothing that decides."""
+
+    def __init__(self, root: Model):
+        self.root, self.models, self.steps = root, [root], list[Step]()
+
+    def compared(self, task: Task, one: Model, other: Model, rivals: list[Model],
+                 candidates: int) -> Comparison:
+        """Return the comparison of two models, tempered by what the best of all rivals leaves."""
+        found = comparison(task, one, other, [*rivals, one, other])
+        self.steps.append(Step(one.effects, other.effects, one.reduced_chi2, found,
+                               why_not(found, candidates) or 'accepted'))
+        return found
+
+
+def comparison(task: Task, one: Model, other: Model, rivals: list[Model]) -> Comparison:
+    """
+    Return what the record says of one model against another.
+
+    Both are observed by statistics of windows where either is. The best of the rivals of that
+    observation tells c.
+    """
+    observation = WINDOWS if WINDOWS in (
+        one.problem.observation, other.problem.observation) else one.problem.observation
+    one, other = task.observed_as(one, observation), task.observed_as(other, observation)
+    alike = [each for each in rivals if each.problem.observation is observation]
+    best = min([one, other, *alike], key=lambda each: each.score.cost)
+    return compare(one.score, other.score, best.score.dispersion)
+
+
+def select(task: Task, tell: Progress) -> Selection:
+    """Return which effects the record calls for; `tell` is called with a phrase and a share."""
+    tell('refitting the declared parameters', 0.02)
+    root = refitted(task)
+    task = isolated(task, root)
+    trace = _Trace(root)
+    chosen = _added(task, root, trace, tell)
+    chosen = _upstream_too(task, chosen, trace, tell)
+    if len(chosen.effects) > 1:
+        tell('exchanging effects', 0.65)
+        chosen = _deleted(task, _exchanged(task, chosen, trace), trace)
+    named = chosen
+    if _leaves_structure(chosen, root):
+        tell('looking for a discrepancy without a name', 0.75)
+        unnamed = best_terms(task, root)
+        trace.models += unnamed
+        chosen = _replaced(task, chosen, unnamed, trace)
+    return Selection(root, chosen, named, tuple(trace.models), tuple(trace.steps))
+
+
+def isolated(task: Task, root: Model) -> Task:
+    """Return the task without the places that can have no part in what is missing."""
+    above = upstream_task(task)
+    if above is None or root.reduced_chi2 < NOISE:
+        return task
+    left = refitted(above).reduced_chi2
+    if left > SMOOTHED or left - 1.0 > ISOLATED * (root.reduced_chi2 - 1.0):
+        return task
+    return replace(task, places=_BELOW, names=tuple(
+        name for name in task.names if EFFECTS[name].location in _BELOW))
+
+
+def _added(task: Task, root: Model, trace: _Trace, tell: Progress) -> Model:
+    """Return the model with effects added, one by one, as long as that is called for."""
+    chosen = parent = root
+    for level in range(MOST_EFFECTS):
+        done = itertools.count(1)
+
+        def tick(level: int = level) -> None:
+            share = min(next(done) / (len(task.names) + 12), 1.0)
+            tell(f'trying effect {level + 1}', 0.05 + 0.2 * (level + share))
+
+        found = neighbours(task, parent, _names(task, parent), tick)
+        trace.models += [*found.near, *found.far]
+        best = _best(task, found.near)
+        if best is not None and accepted(trace.compared(
+                task, best, chosen, found.near, len(task.names)), len(task.names)):
+            chosen = parent = best
+        elif best is None or parent is not chosen:
+            break
+        else:
+            parent = best
+        # a law is never quite the valve's: what it leaves within the noise is no second effect
+        if parent.reduced_chi2 < NOISE:
+            break
+    return chosen
+
+
+def _names(task: Task, parent: Model) -> tuple[str, ...]:
+    """Return the effects to add: beside friction, those above the stem have a task of their own."""
+    if parent.problem.observation is WINDOWS and upstream_task(task) is not None:
+        return tuple(name for name in task.names if not is_upstream(name))
+    return task.names
+
+
+def _best(task: Task, found: list[Model]) -> Model | None:
+    """
+    Return the best of several neighbours of a model, None of none.
+
+    Of those whose evidence is within TIE of the best one's, the first in the catalogue, which
+    lists common causes first. Models of a stem that sticks are compared with the best of the
+    others by statistics of windows.
+    """
+    order = list(EFFECTS)
+    groups = []
+    for observation in dict.fromkeys(one.problem.observation for one in found):
+        same = [one for one in found if one.problem.observation is observation]
+        c = min(same, key=lambda one: one.score.cost).score.dispersion
+        top = max(one.score.log_evidence(c) for one in same)
+        groups.append(min((one for one in same if one.score.log_evidence(c) > top - TIE),
+                          key=lambda one: order.index(one.effects[-1])))
+    if len(groups) < 2:
+        return groups[0] if groups else None
+    first, second = sorted(groups, key=lambda one: one.problem.observation is WINDOWS)
+    return second if comparison(task, second, first, groups).log_evidence > TIE else first
+
+
+def _upstream_too(task: Task, chosen: Model, trace: _Trace, tell: Progress) -> Model:
+    """Return the model of a stem that sticks with what its upstream subsystem calls for as well."""
+    above = upstream_task(task) if chosen.problem.observation is WINDOWS else None
+    if above is None or len(chosen.effects) >= MOST_EFFECTS:
+        return chosen
+    tell('looking above the stem', 0.6)
+    present = tuple(filter(is_upstream, chosen.effects))
+    parent = refitted(above, present)
+    found = neighbours(above, parent, above.names)
+    best = _best(above, found.near)
+    if best is None or not accepted(trace.compared(
+            above, best, parent, found.near, len(above.names)), len(above.names)):
+        return chosen
+    both = refitted(task, (*chosen.effects, best.effects[-1]), chosen.fit, best.fit)
+    trace.models.append(both)
+    return both
+
+
+def _exchanged(task: Task, chosen: Model, trace: _Trace) -> Model:
+    """
+    Return the model with another effect in the place of one of its effects, if that is better.
+
+    The first effect was chosen while the later ones were missing, and may have imitated them. In
+    the place of the last one, all others have been tried already.
+    """
+    for name in chosen.effects[:-1]:
+        if chosen.reduced_chi2 < NOISE or EFFECTS[name].rubs:
+            continue
+        parent = refitted(task, chosen.but(name), chosen.fit)
+        found = neighbours(task, parent, tuple(
+            other for other in _names(task, parent) if other != name))
+        trace.models += [parent, *found.near, *found.far]
+        best = _best(task, found.near)
+        if best is not None and trace.compared(
+                task, best, chosen, found.near, 1).log_evidence > TIE:
+            chosen = best
+    return chosen
+
+
+def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
+    """Return the model without the effects that are not called for beside the others."""
+    for name in chosen.effects:
+        if len(chosen.effects) < 2 or EFFECTS[name].rubs:
+            continue
+        smaller = refitted(task, chosen.but(name), chosen.fit)
+        trace.models.append(smaller)
+        found = trace.compared(task, chosen, smaller, [], len(task.names))
+        if not accepted(found, len(task.names)):
+            chosen = smaller
+    return chosen
+
+
+def _leaves_structure(chosen: Model, root: Model) -> bool:
+    """Tell whether so much is left that a term without a name may explain it better."""
+    return chosen.reduced_chi2 > NOISE and explained(chosen, root) < NEARLY_ALL
+
+
+def explained(chosen: Model, root: Model) -> float:
+    """Return the share of what the declared model leaves beyond noise that the other explains."""
+    missing = root.reduced_chi2 - 1.0
+    return (root.reduced_chi2 - chosen.reduced_chi2) / missing if missing > 0.0 else 0.0
+
+
+def _replaced(task: Task, chosen: Model, unnamed: list[Model], trace: _Trace) -> Model:
+    """Return the best term without a name where the record calls for it in the place of names."""
+    if not unnamed:
+        return chosen
+    c = min(unnamed, key=lambda one: one.score.cost).score.dispersion
+    top = max(one.score.log_evidence(c) for one in unnamed)
+    best = next(one for one in unnamed if one.score.log_evidence(c) > top - TIE)
+    found = trace.compared(task, best, chosen, unnamed, len(unnamed))
+    return best if accepted(found, len(unnamed)) else chosen

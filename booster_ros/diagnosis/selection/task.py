@@ -1,0 +1,115 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The identification task: an experiment, its blocks, what is declared, and what may be lacking."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from booster_ros.diagnosis.data.blocks import Segment, rows_of, training_blocks
+from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.estimation.fit import Fit, fit_at
+from booster_ros.diagnosis.estimation.observation import Observation
+from booster_ros.diagnosis.estimation.parametrisation import Free
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.hypotheses.compose import with_effects
+from booster_ros.diagnosis.hypotheses.subsystem import THINNING as UPSTREAM_THINNING
+from booster_ros.diagnosis.hypotheses.subsystem import free_upstream, is_upstream, upstream
+from booster_ros.diagnosis.selection.score import Score, score_of
+from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.system import PositionerParameters
+
+Array = np.ndarray
+
+PLACES = frozenset(effect.location for effect in EFFECTS.values())
+"""All places where something can be missing."""
+
+THINNING = 8
+"""The search for where to fit from takes every eighth row, and all rows where the drive jumps."""
+
+ENOUGH_ROWS = 1500
+"""Records are not thinned to fewer rows: a short sweep is used whole."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """
+    A model with some effects: its problem, its fit, and its score.
+
+    `reduced_chi2` is the mean square of what it leaves of the readings it was fitted to, in squares
+    of the noise, whatever is observed of them: 1 is noise.
+    """
+
+    effects: tuple[str, ...]
+    problem: Problem
+    fit: Fit
+    score: Score = field(repr=False)
+    reduced_chi2: float
+
+    def but(self, name: str) -> tuple[str, ...]:
+        """Return its effects without this one."""
+        return tuple(effect for effect in self.effects if effect != name)
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """
+    What is to be explained, by what.
+
+    `names` are the effects to try, `places` where a term without a name is tried; the search takes
+    one of every `thinning` rows.
+    """
+
+    experiment: Experiment
+    segments: list[Segment]
+    declared: PositionerParameters
+    freedoms: tuple[Free, ...]
+    names: tuple[str, ...] = tuple(EFFECTS)
+    places: frozenset[str] = PLACES
+    thinning: int = THINNING
+
+    @cached_property
+    def _thin(self) -> tuple[Experiment, Array]:
+        return thinned(self.experiment, self.thinning)
+
+    def problem(self, effects: tuple[str, ...] = ()) -> Problem:
+        """Return the problem of the model with these effects on thinned training rows."""
+        thin, kept = self._thin
+        rows = rows_of(self.segments, 'train', len(self.experiment.time))[kept]
+        return with_effects(Problem(thin, rows, self.declared, self.freedoms), effects)
+
+    def on_every_row(self, problem: Problem) -> Problem:
+        """Return the same problem on every training row."""
+        rows = rows_of(self.segments, 'train', len(self.experiment.time))
+        return replace(problem, experiment=self.experiment, rows=rows)
+
+    def scored(self, effects: tuple[str, ...], problem: Problem, fit: Fit) -> Model:
+        """Return a fit as a model with its score."""
+        block = training_blocks(self.segments, len(self.experiment.time))
+        rows = np.searchsorted(self.experiment.time, problem.experiment.time)
+        readings = np.concatenate(problem.scaled(fit.z))
+        return Model(effects, problem, fit, score_of(problem, fit, block[rows]),
+                     float(np.mean(readings**2)) if len(readings) else 0.0)
+
+    def observed_as(self, model: Model, observation: Observation) -> Model:
+        """Return the model scored by another observation of the same rows, at the same z."""
+        if model.problem.observation is observation:
+            return model
+        problem = replace(model.problem, observation=observation)
+        return self.scored(model.effects, problem, fit_at(problem, model.fit.z))
+
+
+def thinned(experiment: Experiment, factor: int) -> tuple[Experiment, Array]:
+    """Return fewer rows of an experiment, ENOUGH_ROWS at the least, and which rows those are."""
+    size = len(experiment.time)
+    factor = min(factor, size // ENOUGH_ROWS)
+    return experiment.thinned(factor) if factor > 1 else (experiment, np.arange(size))
+
+
+def upstream_task(task: Task) -> Task | None:
+    """Return the task of the subsystem above the stem, None where the record does not show it."""
+    above = upstream(task.experiment)
+    return None if above is None else replace(
+        task, experiment=above, freedoms=free_upstream(task.freedoms), thinning=UPSTREAM_THINNING,
+        names=tuple(filter(is_upstream, task.names)))
