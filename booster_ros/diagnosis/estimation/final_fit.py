@@ -37,7 +37,9 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
 
     Sizes of effects that the rows do not show are put back to none.
     """
-    found = fit(problem, [begin, nominal(problem, begin)], LAST_EVALUATIONS, SETTLED)
+    other = nominal(problem, begin)
+    starts = [begin] if not np.any(other[:len(problem.freedoms)]) else [begin, other]
+    found = fit(problem, starts, LAST_EVALUATIONS, SETTLED)
     if problem.observation is ROWS:
         found = at_the_bottom(problem, found)
     found = without_unseen(problem, found)

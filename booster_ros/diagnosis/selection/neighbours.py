@@ -36,6 +36,9 @@ BEGUN, FIRST_STEPS = 6, 4
 """Number of screened effects that get first steps of a fit, and how many: screening ranks the right
 one among the first six."""
 
+OTHER_START = 1.5
+"""Multiple of an effect's best cost in screening from which its second start is not tried."""
+
 FINISHED = 4
 """Number of those that are fitted to their end, on thinned rows, and then to every row."""
 
@@ -151,7 +154,8 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
                    key=lambda one: one.cost)
     steps: list[tuple[str, Fit, Problem]] = []
     for one in quick[:BEGUN]:
-        ends = [first_steps(one.problem, start, FIRST_STEPS) for start in one.starts[:2]]
+        ends = [first_steps(one.problem, start, FIRST_STEPS)
+                for start, cost in zip(one.starts[:2], one.costs) if cost < OTHER_START * one.cost]
         if ends:
             steps.append((one.effect, min(ends, key=lambda end: end.cost), one.problem))
         tick()

@@ -11,7 +11,7 @@ declared parameters can imitate part of it. So what they can imitate is projecte
 2. let the reference variables react linearly: z <- z - J+ r, priors included; what remains is the
    cost that this size can reach;
 3. what remains runs nearly straight from size 0 to e, which tells the size at which it should be
-   least: of the trials that promise most there, simulate six at that size;
+   least: of the trials that promise most there, simulate four at that size;
 4. linear reckoning fails where the variables react by much. So a few Gauss-Newton steps follow
    from the best size, with J kept as it is and only the effect's own columns simulated anew (chord
    steps): what they reach is no promise but a cost that was simulated.
@@ -45,7 +45,7 @@ CHORD_STEPS = 4
 CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
 """Number of chord steps, with the reference's Jacobian, and the parts of each that are tried."""
 
-LENGTHS = 6
+LENGTHS = 4
 """Number of trials that are simulated at the size at which they should leave least."""
 
 SHORTEST, LONGEST = 1e-3, 2.0
@@ -106,8 +106,7 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[f
     rubs = [j for j in sizes if free[j].knob.rubs]
     pairs = [sizes] if len(sizes) == 2 else [(j, k) for j in rubs for k in sizes if k != j]
     if len(multiples) > 1:
-        moves += [dict(zip(pair, lengths)) for pair in pairs
-                  for lengths in itertools.product(multiples, repeat=2)]
+        moves += [dict.fromkeys(pair, size) for pair in pairs for size in multiples]
     # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
     # simulate; a galled stem may rub in one place alone, which a fit finds from there
     moves = [move for move in moves

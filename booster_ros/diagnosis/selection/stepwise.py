@@ -154,7 +154,7 @@ def _added(task: Task, root: Model, trace: _Trace, tell: Progress) -> Model:
         else:
             parent = best
         # a law is never quite the valve's: what it leaves within the noise is no second effect
-        if parent.reduced_chi2 < NOISE:
+        if leaves_noise(parent):
             break
     return chosen
 
@@ -214,7 +214,7 @@ def _exchanged(task: Task, chosen: Model, trace: _Trace) -> Model:
     the place of the last one, all others have been tried already.
     """
     for name in chosen.effects[:-1]:
-        if chosen.reduced_chi2 < NOISE or EFFECTS[name].rubs:
+        if leaves_noise(chosen) or EFFECTS[name].rubs:
             continue
         parent = refitted(task, chosen.but(name), chosen.fit)
         found = neighbours(task, parent, tuple(
@@ -240,9 +240,14 @@ def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
     return chosen
 
 
+def leaves_noise(model: Model) -> bool:
+    """Tell whether what a model leaves of what is observed may be noise."""
+    return model.reduced_chi2 < NOISE or model.score.cost < NOISE * model.score.observed
+
+
 def _leaves_structure(chosen: Model, root: Model) -> bool:
     """Tell whether so much is left that a term without a name may explain it better."""
-    return chosen.reduced_chi2 > NOISE and explained(chosen, root) < NEARLY_ALL
+    return not leaves_noise(chosen) and explained(chosen, root) < NEARLY_ALL
 
 
 def explained(chosen: Model, root: Model) -> float:
