@@ -7,6 +7,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+import difflib
+from functools import partial
 from io import TextIOWrapper
 import os
 from pathlib import Path
@@ -23,6 +25,7 @@ from ..diagnosis.prepare.preparation import prepare
 from ..diagnosis.prepare.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.judging.validation import validated
+from ..model.catalogue import EFFECTS
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
@@ -73,6 +76,7 @@ def main(args: Sequence[str] | None = None) -> int:
 def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
     _check_paths(options)
     _check_options(options)
+    judge = partial(diagnose, **_hypotheses(options))
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
     check_declared(declared, str(options.params))
@@ -82,17 +86,17 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
         announce_compilation()
         with _progress(check) as tell:
             try:
-                diagnosis = diagnose(experiment, declared, tell, notes)
+                diagnosis = judge(experiment, declared, tell, notes=notes)
             except RecordError as error:
                 raise RecordError(f'{options.record}: {error}') from None
-            diagnosis = since_change(diagnosis, record, tell)
+            diagnosis = since_change(diagnosis, record, tell, judge)
             for _, other, more in others:
                 diagnosis = validated(diagnosis, other, more)
         if options.calibrate:
             with _progress(check) as tell:
                 diagnosis = calibrated(
                     diagnosis, options.calibrate,
-                    SEED if options.seed is None else options.seed, tell)
+                    SEED if options.seed is None else options.seed, tell, judge)
         _write(folder, diagnosis, Provenance(*map(
             _legible, (options.record, options.params, options.validation or ''))), given.node)
         check()
@@ -127,6 +131,10 @@ def _parser() -> argparse.ArgumentParser:
     add('--calibrate', type=_count, metavar='N',
         help='also count how often something is added to N simulated records in which nothing is '
         'missing; each takes as long as a diagnosis')
+    among = parser.add_mutually_exclusive_group().add_argument
+    among('--only', nargs='+', default=[], metavar='EFFECT',
+          help='try these effects of the catalogue alone, and no term without a name')
+    among('--without', nargs='+', default=[], metavar='EFFECT', help='do not try these effects')
     add('--seed', type=_seed, metavar='S',
         help=f'of the noise in those records (default: {SEED})')
     return parser
@@ -251,6 +259,21 @@ def _check_options(options: argparse.Namespace) -> None:
     for option, wanted in asked.items():
         if wanted and not any(map(is_bag, _given(options))):
             raise RecordError(_useless(option, 'a bag', options))
+
+
+def _hypotheses(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what `diagnose` may try; RecordError for an effect that is not in the catalogue."""
+    for option in ('only', 'without'):
+        for name in getattr(options, option):
+            if name not in EFFECTS:
+                near = difflib.get_close_matches(name, list(EFFECTS), 1, 0.5)
+                hint = f'; did you mean {near[0]}?' if near else ''
+                raise RecordError(
+                    f'--{option}: there is no effect {name!r} in the catalogue{hint} '
+                    f'(it has {", ".join(EFFECTS)})')
+    if options.only:
+        return {'names': tuple(options.only), 'places': frozenset[str]()}
+    return {'names': tuple(name for name in EFFECTS if name not in options.without)}
 
 
 def _legible(path: Path | str) -> str:
