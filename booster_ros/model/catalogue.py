@@ -7,79 +7,8 @@ An effect is a row here and a few parameters in the component where its physics 
 that searches, fits, reports or configures effects reads these rows.
 """
 
-from dataclasses import dataclass
-
+from .effect import Effect, Knob
 from .gas import ISO_6358
-
-
-@dataclass(frozen=True)
-class Knob:
-    """
-    One parameter of an effect as a fit turns it.
-
-    `typical` is a size that a record shows well, `low` and `high` bound the search (SI units,
-    `neutral` included where the effect vanishes there). Where `inverse` is n > 0, value**-n is
-    fitted instead of the value: a restriction vanishes as its area grows, its drop as 1/area².
-    """
-
-    parameter: str
-    typical: float
-    low: float
-    high: float
-    neutral: float = 0.0
-    inverse: int = 0
-    shape: bool = False  # a shape parameter means nothing while the size is neutral
-    clocked: bool = False  # it acts through time or speeds, which a sweep without a clock lacks
-    tried: tuple[float, ...] = ()  # values of a shape with each of which sizes are tried
-    frequency: bool = False  # how often the effect repeats itself, Hz
-    phase: bool = False  # where in its period it begins, rad
-    rubs: bool = False  # friction of a sliding stem, without which the other sizes are none
-    departs: str = ''  # what may be off at the start only with this size: a field of `Departure`
-
-    def to_fit(self, value: float) -> float:
-        """Return the fitted variable for a value."""
-        if not self.inverse:
-            return value
-        return 0.0 if value <= 0.0 else value**-self.inverse
-
-    def from_fit(self, variable: float) -> float:
-        """Return the value for a fitted variable; an inverse knob is neutral from `high` on."""
-        if not self.inverse:
-            return variable
-        vanishing = self.high**-self.inverse
-        return self.neutral if variable <= vanishing else variable**(-1.0 / self.inverse)
-
-
-@dataclass(frozen=True)
-class Effect:
-    """
-    A named effect: where it is born, its knobs, what a record needs to show it, what separates it.
-
-    `loosens` names the declared parameters that are known less well where this effect is present,
-    `reading` the channel whose sensor it falsifies. `orifice_law` is the only law of flow through
-    the seats that knows the effect, None where any does.
-    """
-
-    name: str
-    location: str
-    knobs: tuple[Knob, ...]
-    meaning: str
-    needs: str
-    separating_experiment: str
-    source: str
-    loosens: tuple[str, ...] = ()
-    reading: str = ''
-    orifice_law: int | None = None
-
-    @property
-    def needs_clock(self) -> bool:
-        """Whether no size of it acts in a sweep without a clock."""
-        return all(knob.clocked for knob in self.knobs if not knob.shape)
-
-    @property
-    def rubs(self) -> bool:
-        """Whether it is friction of the stem."""
-        return any(knob.rubs for knob in self.knobs)
 
 
 def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
@@ -123,6 +52,13 @@ _ROWS = (
         'steps of several sizes: a delay shifts all by the same time',
         'pure delay: E. Richer, Y. Hurmuzlu, J. Dyn. Sys. Meas. Control 122 (2000) 416',
         Knob('ep_converter.dead_time', 0.05, 0.0, 1.0, clocked=True)),
+    _effect(
+        'ep_gain_loss', 'ep_converter', 'the back pressure is lower or higher in proportion to the '
+        'current, beyond the tolerance of the gain',
+        'settled pressures at several currents', 'staircase with the back pressure recorded: a '
+        'straight line of another slope through the same zero',
+        'a share of the current; M. Bartys et al., Control Eng. Practice 14 (2006) 577, f12',
+        Knob('ep_converter.gain_loss', 0.1, -2.0, 0.95)),
     _effect(
         'booster_dead_band', 'booster', 'force before intake or exhaust opens',
         'reversals, or the back pressure', 'slow triangle with the stem blocked: the dead band '
@@ -233,6 +169,24 @@ _ROWS = (
         'bench test: the pressures at which the stem leaves 0 and reaches the travel',
         'bench set, IEC 60534', Knob('actuator.bench_set_shift', 5e3, -8e4, 8e4)),
     _effect(
+        'spring_rate_change', 'stem', 'the spring is softer or stiffer as a whole, its preload '
+        'included', 'positions across the travel',
+        'bench test: both pressures of the bench set are off by the same share',
+        'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f11',
+        Knob('actuator.spring_loss', 0.1, -2.0, 0.95)),
+    _effect(
+        'stem_damping', 'stem', 'a force in proportion to its speed holds the stem back beyond '
+        'what is declared (snubber, damper)', 'steps',
+        'ramps of several speeds: position lags behind pressure in proportion to the speed, and '
+        'not at an end stop', 'viscous damper',
+        Knob('actuator.added_damping', 1e5, 0.0, 2e7, clocked=True)),
+    _effect(
+        'travel_limit', 'stem', 'the stem stops before the ends of its travel',
+        'strokes to both ends', 'full strokes: the pressure goes on, the position does not',
+        'end stop at another place; M. Bartys et al., Control Eng. Practice 14 (2006) 577, f1',
+        Knob('actuator.upper_travel_lost', 0.1, 0.0, 0.95),
+        Knob('actuator.lower_travel_lost', 0.1, 0.0, 0.95)),
+    _effect(
         'seat_load', 'stem', 'the seat yields to, holds or pushes the nearly closed stem',
         'closing and opening', 'valve signature near the seat',
         'soft seat that yields and lets go linearly',
@@ -265,9 +219,11 @@ _ROWS = (
         'a second pressure sensor at the chamber', 'first-order sensor',
         Knob('sensors.pressure_lag', 0.1, 0.0, 5.0, clocked=True), reading='chamber_pressure'),
     _effect(
-        'pressure_sensor_bias', 'sensor', 'the pressure reading is off', 'vented chamber',
-        'vent the chamber: the reading must be zero', 'zero error, IEC 61298-2',
-        Knob('sensors.pressure_bias', 3e3, -6e4, 6e4), reading='chamber_pressure'),
+        'pressure_sensor_bias', 'sensor', 'the pressure reading is off in zero or span',
+        'vented chamber, settled pressures', 'vent the chamber: the reading must be zero; then '
+        'fill it to a pressure that is known', 'zero and span error, IEC 61298-2',
+        Knob('sensors.pressure_bias', 3e3, -6e4, 6e4),
+        Knob('sensors.pressure_span_error', 0.02, -0.3, 0.3), reading='chamber_pressure'),
 )
 
 EFFECTS: dict[str, Effect] = {row.name: row for row in _ROWS}
@@ -288,3 +244,6 @@ def is_of_effect(parameter: str) -> bool:
     effects have their defaults.
     """
     return parameter in _OF_EFFECTS or parameter.startswith('discrepancy.')
+
+
+__all__ = ['EFFECTS', 'Effect', 'Knob', 'is_of_effect']

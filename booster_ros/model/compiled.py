@@ -20,7 +20,7 @@ import tempfile
 import types
 from typing import Any
 
-_MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
+_MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'chamber', 'sensors',
             'discrepancy', 'state', 'system', 'sticking', 'memory', 'outputs', 'workspace',
             'rodas3', 'dormand_prince', 'ahead', 'solver', 'kernel')
 # Parameters are a hundred numbers, and a call hands them over one by one: equations that are

@@ -10,7 +10,8 @@ be.
 
 from collections.abc import Callable, Mapping
 
-from .actuator import balance_position, breakaway_friction, has_dry_friction, stem_force
+from .actuator import (
+    balance_position, breakaway_friction, has_dry_friction, lower_stop, stem_force, upper_stop)
 from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
 from .memory import Departure, start_current
 from .sensors import position_behind, pressure_behind
@@ -64,9 +65,9 @@ def rests_on_a_stop(p: PositionerParameters, pressure: float, read: float) -> bo
     """
     act = p.actuator
     balance = balance_position(act, pressure)
-    if 0.0 <= balance <= act.travel or abs(balance - read) > UNSURE * act.travel:
+    if lower_stop(act) <= balance <= upper_stop(act) or abs(balance - read) > UNSURE * act.travel:
         return False
-    edge = 0.0 if balance < 0.0 else act.travel
+    edge = lower_stop(act) if balance < lower_stop(act) else upper_stop(act)
     return abs(stem_force(act, pressure, edge, 0.0, 0.0)) > breakaway_friction(act, edge)
 
 
@@ -137,7 +138,7 @@ def _held_position(
         rests = min(max(balance, read - near), read + near)
         held = breaks_away(read) and not breaks_away(rests)
         return _nearest(breaks_away, read, rests) if held else read
-    at_stop = not 0.0 < balance < p.actuator.travel
+    at_stop = not lower_stop(p.actuator) < balance < upper_stop(p.actuator)
     return balance if at_stop and abs(balance - read) <= near else read
 
 

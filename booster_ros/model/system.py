@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 from . import discrepancy as term
 from .actuator import (
-    Actuator, chamber_volume, diaphragm_area, energy_rates, has_dry_friction, is_rigid,
-    isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
-    sliding_friction, stem_acceleration, stem_force)
+    Actuator, diaphragm_area, has_dry_friction, is_rigid, presliding_force_rate,
+    presliding_friction, sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
+from .chamber import chamber_volume, energy_rates, isothermal_pressure_rate, leak_flow
 from .discrepancy import (
     Discrepancy, behind_play, forgets, has_play, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure

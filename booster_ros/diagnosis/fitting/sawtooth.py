@@ -25,7 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from booster_ros.diagnosis.fitting.fit import Problem
-from booster_ros.model.actuator import friction_along_travel, stem_force
+from booster_ros.model.actuator import (
+    friction_along_travel, lower_stop, stem_force, upper_stop)
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.system import PositionerParameters
 
@@ -78,7 +79,8 @@ def _going(problem: Problem, z: Array, way: float) -> tuple[Array, Array]:
     earlier, later = (np.interp(time + beside, time[known], position[known])
                       for beside in (-BESIDE, BESIDE)) if known.any() else (position, position)
     least = BEYOND_NOISE * experiment.noise['valve_position']
-    off_its_stops = (position > least) & (position < p.actuator.travel - least)
+    off_its_stops = (
+        (position > lower_stop(p.actuator) + least) & (position < upper_stop(p.actuator) - least))
     rows = (problem.rows & off_its_stops & np.isfinite(experiment.measured['chamber_pressure'])
             & (way * (position - earlier) > least) & (way * (later - position) > least))
     return rows, (later - earlier) / (2.0 * BESIDE)
