@@ -97,6 +97,10 @@ def test_a_larger_valve_with_a_larger_fault_is_told_as_the_paper_s_is(
         effect, parameter, factor, tmp_path, monkeypatch):
     monkeypatch.setattr(cases, 'FIT_SECONDS', 50.0)
     size = HIDDEN[effect].size('large')
+    row = EFFECTS[effect]
+    monkeypatch.setitem(EFFECTS, effect, replace(row, knobs=tuple(
+        replace(knob, high=2.0 * size) if knob.parameter == parameter else knob
+        for knob in row.knobs)))  # a range within which the larger fault lies in proportion alone
     write_case(Case('hidden', ((effect, size),), seed=11), tmp_path)
     declared = larger(from_values(read_parameter_file(tmp_path / 'hidden.yaml').physical))
     record = read_record(tmp_path / 'hidden_fit.csv')

@@ -33,7 +33,7 @@ class Actuator(NamedTuple):
     stop_damping: Annotated[float, Quantity(
         'N s/m', 'damping of the end stops', 0.0, 1e9, 'assumed: no rebound')] = 1e5
     leak_area: Annotated[float, Quantity(
-        'm^2', 'chamber_leak: effective area, chamber to atmosphere', 0.0, 1e-3)] = 0.0
+        'm^2', 'chamber_leak: effective area, chamber to atmosphere', 0.0, 1e-2)] = 0.0
     thermal_resistance: Annotated[float, Quantity(
         'K/W', 'heat_transfer: air to wall, 0 = isothermal (polytropic_index rules)',
         0.0, 1e4)] = 0.0

@@ -31,19 +31,19 @@ _ROWS = (
         'reversals of the current', 'slow triangle with the back pressure recorded: the loop '
         'stands in back pressure over current',
         'play operator: A. Visintin, Differential Models of Hysteresis, 1994',
-        Knob('ep_converter.hysteresis', 2e-6, 0.0, 4e-5, departs='ep_play')),
+        Knob('ep_converter.hysteresis', 2e-6, 0.0, 1e-4, departs='ep_play')),
     _effect(
         'ep_drift', 'ep_converter', 'the back pressure shifts with time (coil heating)',
         'minutes of record', 'repeat one step after an hour: the settled pressure has moved',
         'first-order warming of coil and magnet',
-        Knob('ep_converter.drift', 1e3, -3e4, 3e4, clocked=True),
-        Knob('ep_converter.drift_time_constant', 100.0, 5.0, 2000.0, 100.0, shape=True)),
+        Knob('ep_converter.drift', 1e3, -1e5, 1e5, clocked=True),
+        Knob('ep_converter.drift_time_constant', 100.0, 5.0, 1e4, 100.0, shape=True)),
     _effect(
         'ep_nonlinearity', 'ep_converter', 'the back pressure is not a straight line over current',
         'settled pressures across the range', 'staircase with the back pressure recorded',
         'second and third order of the nozzle-flapper characteristic',
-        Knob('ep_converter.nonlinearity_even', 1e3, -3e4, 3e4),
-        Knob('ep_converter.nonlinearity_odd', 1e3, -3e4, 3e4),
+        Knob('ep_converter.nonlinearity_even', 1e3, -1e5, 1e5),
+        Knob('ep_converter.nonlinearity_odd', 1e3, -1e5, 1e5),
         # gain and zero were adjusted to a straight line, which this curve need not touch at its
         # centre, where its terms are 0
         loosens=('ep_converter.gain', 'ep_converter.offset')),
@@ -51,7 +51,7 @@ _ROWS = (
         'dead_time', 'ep_converter', 'the response starts late', 'steps, sampled faster than it',
         'steps of several sizes: a delay shifts all by the same time',
         'pure delay: E. Richer, Y. Hurmuzlu, J. Dyn. Sys. Meas. Control 122 (2000) 416',
-        Knob('ep_converter.dead_time', 0.05, 0.0, 1.0, clocked=True)),
+        Knob('ep_converter.dead_time', 0.05, 0.0, 5.0, clocked=True)),
     _effect(
         'ep_gain_loss', 'ep_converter', 'the back pressure is lower or higher in proportion to the '
         'current, beyond the tolerance of the gain',
@@ -97,7 +97,7 @@ _ROWS = (
         'large steps', 'log the supply pressure during a large step',
         'regulator characteristic, ISO 6953-1',
         Knob('supply.droop', 2e7, 0.0, 1e9),
-        Knob('supply.droop_time_constant', 0.1, 0.01, 3.0, 0.1, shape=True)),
+        Knob('supply.droop_time_constant', 0.1, 0.01, 10.0, 0.1, shape=True)),
     _effect(
         'supply_ripple', 'supply', 'the supply pressure oscillates',
         'rests longer than its period', 'log the supply pressure at rest',
@@ -110,14 +110,14 @@ _ROWS = (
         'tubing_restriction', 'tubing', 'tube and fittings throttle between booster and actuator',
         'steps', 'two pressure taps, at the booster outlet and at the actuator',
         'ISO 6358 orifice and laminar flow behind a volume',
-        Knob('tubing.restriction_area', 2e-6, 2e-7, 3e-5, 0.0, inverse=2),
-        Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True, tried=(1e-5, 4e-5)),
+        Knob('tubing.restriction_area', 2e-6, 2e-8, 3e-5, 0.0, inverse=2),
+        Knob('tubing.outlet_volume', 4e-5, 2e-6, 2e-3, 4e-5, shape=True, tried=(1e-5, 4e-5)),
         Knob('tubing.laminar_share', 0.0, 0.0, 1.0, 0.0, shape=True, tried=(0.0, 1.0))),
     _effect(
         'chamber_leak', 'chamber', 'air escapes from the actuator', 'settled pressures, steps',
         'valve the actuator off and watch its pressure for minutes',
         'ISO 6358 orifice; M. Bartys et al., Control Eng. Practice 14 (2006) 577, f9, f10',
-        Knob('actuator.leak_area', 5e-8, 0.0, 1e-6)),
+        Knob('actuator.leak_area', 5e-8, 0.0, 1e-4)),
     _effect(
         'exhaust_seat_leak', 'booster', 'the exhaust seat never closes',
         'settled pressures', 'hold with the tube valved off at the actuator: the chamber holds, '
@@ -127,7 +127,7 @@ _ROWS = (
         'heat_transfer', 'chamber', 'the air warms when compressed and cools at the wall',
         'fast fills followed by rests', 'blocked stem, fast fill, then isolate: the pressure '
         'relaxes to a plateau', 'first law for an ideal gas with heat through the wall',
-        Knob('actuator.thermal_resistance', 0.3, 0.0, 20.0, clocked=True, departs='temperature')),
+        Knob('actuator.thermal_resistance', 0.3, 0.0, 500.0, clocked=True, departs='temperature')),
     _effect(
         'dead_volume_change', 'chamber', 'the chamber is larger or smaller than declared',
         'steps below and above the bench set', 'blocked-stem fills with a known volume added',
@@ -167,7 +167,7 @@ _ROWS = (
         'bench_set_shift', 'stem', 'the spring is preloaded differently from declared',
         'moving stem',
         'bench test: the pressures at which the stem leaves 0 and reaches the travel',
-        'bench set, IEC 60534', Knob('actuator.bench_set_shift', 5e3, -8e4, 8e4)),
+        'bench set, IEC 60534', Knob('actuator.bench_set_shift', 5e3, -2e5, 2e5)),
     _effect(
         'spring_rate_change', 'stem', 'the spring is softer or stiffer as a whole, its preload '
         'included', 'positions across the travel',
@@ -208,22 +208,22 @@ _ROWS = (
     _effect(
         'position_sensor_lag', 'sensor', 'the position reading comes late', 'steps',
         'a second position sensor on the stem', 'first-order sensor',
-        Knob('sensors.position_lag', 0.1, 0.0, 5.0, clocked=True), reading='valve_position'),
+        Knob('sensors.position_lag', 0.1, 0.0, 20.0, clocked=True), reading='valve_position'),
     _effect(
         'position_sensor_bias', 'sensor', 'the position reading is off in zero or span',
         'rest at an end stop', 'both end stops', 'zero and span error, IEC 61298-2',
         Knob('sensors.position_bias', 1e-4, -5e-3, 5e-3),
-        Knob('sensors.position_span_error', 0.02, -0.3, 0.3), reading='valve_position'),
+        Knob('sensors.position_span_error', 0.02, -0.5, 0.5), reading='valve_position'),
     _effect(
         'pressure_sensor_lag', 'sensor', 'the pressure reading comes late', 'steps',
         'a second pressure sensor at the chamber', 'first-order sensor',
-        Knob('sensors.pressure_lag', 0.1, 0.0, 5.0, clocked=True), reading='chamber_pressure'),
+        Knob('sensors.pressure_lag', 0.1, 0.0, 20.0, clocked=True), reading='chamber_pressure'),
     _effect(
         'pressure_sensor_bias', 'sensor', 'the pressure reading is off in zero or span',
         'vented chamber, settled pressures', 'vent the chamber: the reading must be zero; then '
         'fill it to a pressure that is known', 'zero and span error, IEC 61298-2',
-        Knob('sensors.pressure_bias', 3e3, -6e4, 6e4),
-        Knob('sensors.pressure_span_error', 0.02, -0.3, 0.3), reading='chamber_pressure'),
+        Knob('sensors.pressure_bias', 3e3, -2e5, 2e5),
+        Knob('sensors.pressure_span_error', 0.02, -0.5, 0.5), reading='chamber_pressure'),
 )
 
 EFFECTS: dict[str, Effect] = {row.name: row for row in _ROWS}
