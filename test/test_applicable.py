@@ -16,6 +16,8 @@ from booster_ros.diagnosis.fitting.fit import Problem
 from booster_ros.diagnosis.fitting.freedom import declared_freedom, put
 from booster_ros.diagnosis.preparing.preparation import prepare
 from booster_ros.diagnosis.searching.screening import with_effect
+from booster_ros.model.actuator import VESSEL
+from booster_ros.model.booster import NO_BOOSTER
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.gas import ISENTROPIC
 
@@ -100,6 +102,21 @@ def test_the_isentropic_law_has_no_critical_ratio_to_look_for():
     refitted = {free.knob.parameter for free in free_to_refit(nozzle, experiment)}
     left = {free.knob.parameter for free in free_to_refit(DECLARED, experiment)} - refitted
     assert left == {'booster.critical_pressure_ratio'}
+
+
+@pytest.mark.parametrize(('parameter', 'kind', 'part'), [
+    ('booster.kind', NO_BOOSTER, 'booster'), ('actuator.kind', VESSEL, 'stem')])
+def test_no_effect_is_looked_for_in_a_part_that_is_not_there(parameter, kind, part):
+    experiment, less = prepared('commanded'), put(DECLARED, parameter, kind)
+    sensor = {name for name in EFFECTS if 'position' in name} - located('stem')
+    assert set(EFFECTS) - set(applicable(experiment, less)) == located(part) | (
+        sensor if part == 'stem' else set())
+    refitted = [{free.knob.parameter for free in free_to_refit(p, experiment)}
+                for p in (DECLARED, less)]
+    assert refitted[0] - refitted[1] == {
+        'booster': {'booster.opening_gain', 'booster.max_area', 'booster.critical_pressure_ratio'},
+        'stem': {'actuator.bench_set', 'actuator.viscous_friction', 'actuator.stop_stiffness'},
+    }[part]
 
 
 def test_a_signature_shows_the_stem_and_its_sensor():

@@ -72,10 +72,13 @@ def some(ranges: dict[str, tuple[float, float]]):
     sizes=some(SIZES),
     effects=some(EFFECTS),
     law=strategies.sampled_from(['iso_6358', 'isentropic']),
+    booster=strategies.sampled_from(['three_diaphragms', 'three_diaphragms', 'none']),
+    actuator=strategies.sampled_from(['stem', 'stem', 'vessel']),
     levels=strategies.lists(strategies.floats(0.0, 1.5e-3), min_size=1, max_size=8),
 )
-def test_nothing_leaves_physics(sizes, effects, law, levels):
-    p = positioner({**sizes, **effects, 'booster.orifice_law': law})
+def test_nothing_leaves_physics(sizes, effects, law, booster, actuator, levels):
+    p = positioner({**sizes, **effects, 'booster.orifice_law': law, 'booster.kind': booster,
+                    'actuator.kind': actuator})
     current = np.array(levels)[(np.arange(len(TIME)) * len(levels)) // len(TIME)]
     run = simulate(p, TIME, current)
     for name, column in run.columns.items():

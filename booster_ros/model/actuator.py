@@ -9,6 +9,9 @@ from typing import Annotated, NamedTuple
 from .quantity import Quantity
 
 
+STEM, VESSEL = 0, 1
+
+
 class Actuator(NamedTuple):
     """Chamber, diaphragm, spring, stem and stops."""
 
@@ -32,6 +35,9 @@ class Actuator(NamedTuple):
         'N/m', 'stiffness of the end stops', 1e5, 1e11, 'assumed: yields micrometres')] = 5e8
     stop_damping: Annotated[float, Quantity(
         'N s/m', 'damping of the end stops', 0.0, 1e9, 'assumed: no rebound')] = 1e5
+    kind: Annotated[int, Quantity(
+        '-', 'stem, which a spring closes, or vessel: the dead volume is all there is, nothing '
+        'moves, the position is 0', source='paper Fig. 1')] = STEM
     leak_area: Annotated[float, Quantity(
         'm^2', 'chamber_leak: effective area, chamber to atmosphere', 0.0, 1e-2)] = 0.0
     thermal_resistance: Annotated[float, Quantity(
@@ -162,8 +168,9 @@ def stem_force(act: Actuator, pressure: float, position: float, velocity: float,
 
 def has_dry_friction(act: Actuator) -> bool:
     """Tell whether the stem can stick."""
-    return (act.coulomb_friction > 0.0 or act.stiction > 0.0 or act.friction_gradient != 0.0
-            or act.friction_peak > 0.0)
+    return act.kind == STEM and (
+        act.coulomb_friction > 0.0 or act.stiction > 0.0 or act.friction_gradient != 0.0
+        or act.friction_peak > 0.0)
 
 
 def friction_along_travel(act: Actuator, position: float) -> float:
@@ -243,8 +250,10 @@ def balance_position(act: Actuator, pressure: float,
     Return the position, m, at which spring, stops and pressure (gauge, Pa) balance.
 
     `extra` is a further force, N, positive towards open, as a function of the position. Bisection:
-    the balance has no closed form once the spring is bent or the area changes.
+    the balance has no closed form once the spring is bent or the area changes. 0 for a vessel.
     """
+    if act.kind == VESSEL:
+        return 0.0
 
     def net_force(position: float) -> float:
         return stem_force(act, pressure, position, 0.0, extra(position))

@@ -7,8 +7,11 @@ An effect is a row here and a few parameters in the component where its physics 
 that searches, fits, reports or configures effects reads these rows.
 """
 
+from .actuator import VESSEL
+from .booster import NO_BOOSTER
 from .effect import Effect, Knob
 from .gas import ISO_6358
+from .system import PositionerParameters
 
 
 def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
@@ -246,4 +249,13 @@ def is_of_effect(parameter: str) -> bool:
     return parameter in _OF_EFFECTS or parameter.startswith('discrepancy.')
 
 
-__all__ = ['EFFECTS', 'Effect', 'Knob', 'is_of_effect']
+def has_part(p: PositionerParameters, effect: Effect) -> bool:
+    """Tell whether a rig has what an effect is in: the booster, or the stem and its sensor."""
+    if effect.location == 'booster':
+        return p.booster.kind != NO_BOOSTER
+    if effect.location == 'stem' or effect.reading == 'valve_position':
+        return p.actuator.kind != VESSEL
+    return True
+
+
+__all__ = ['EFFECTS', 'Effect', 'Knob', 'has_part', 'is_of_effect']

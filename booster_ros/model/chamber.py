@@ -36,6 +36,20 @@ def isothermal_pressure_rate(
         volume + index * absolute * compliance)
 
 
+def isothermal_filling(
+    act: Actuator, pressure: float, volume: float, swept: float, compliance: float, rate: float,
+    temperature: float,
+) -> float:
+    """
+    Return the net mass flow, kg/s, with which the pressure changes by `rate`, Pa/s.
+
+    The inverse of `isothermal_pressure_rate`.
+    """
+    index, absolute = act.polytropic_index, pressure + ATMOSPHERE
+    return (rate * (volume + index * absolute * compliance) / index + absolute * swept) / (
+        GAS_CONSTANT * temperature)
+
+
 def energy_rates(
     act: Actuator, pressure: float, gas_temperature: float, volume: float, swept: float,
     compliance: float, enthalpy_flow: float, inflow: float, wall_temperature: float,

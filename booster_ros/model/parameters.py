@@ -18,6 +18,8 @@ Value = float | str | tuple[float, ...]
 
 _CHOICES = {
     'booster.orifice_law': ('iso_6358', 'isentropic'),
+    'booster.kind': ('three_diaphragms', 'none'),
+    'actuator.kind': ('stem', 'vessel'),
     'discrepancy.location': discrepancy.LOCATIONS,
     'discrepancy.variable': discrepancy.VARIABLES,
 }

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 
 from .actuator import (
     balance_position, breakaway_friction, has_dry_friction, lower_stop, stem_force, upper_stop)
+from .booster import NO_BOOSTER
 from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
 from .memory import Departure, start_current
 from .sensors import position_behind, pressure_behind
@@ -146,8 +147,9 @@ def _filling(p: PositionerParameters, time: float, current: float, state: Mappin
              ) -> Callable[[float], float]:
     """Return the chamber's rate of filling, Pa/s, by the place in the E/P converter's play."""
     # a tube and heat do nothing to a chamber at rest
-    still = p._replace(tubing=p.tubing._replace(restriction_area=0.0),
-                       actuator=p.actuator._replace(thermal_resistance=0.0))
+    still = p._replace(actuator=p.actuator._replace(thermal_resistance=0.0))
+    if p.booster.kind != NO_BOOSTER:
+        still = still._replace(tubing=p.tubing._replace(restriction_area=0.0))
 
     def filling(place: float) -> float:
         seen = start_current(p, current, Departure(ep_play=place))
