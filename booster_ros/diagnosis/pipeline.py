@@ -15,7 +15,7 @@ from collections.abc import Collection
 import numpy as np
 
 from booster_ros.diagnosis.data.blocks import (
-    Segment, rows_of, split, split_sweep, training_blocks)
+    rows_of, split, split_sweep, training_blocks)
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
@@ -28,9 +28,9 @@ from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, TraceStep, UnknownTerm, either,
-    errors_of)
-from booster_ros.diagnosis.selection.decide import NOISE, compare, standing
+    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, TraceStep, UnknownTerm,
+    either, errors_of)
+from booster_ros.diagnosis.selection.decide import compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.stepwise import (
     Progress, Selection, comparison, explained, select)
@@ -93,7 +93,7 @@ def _task(experiment: Experiment, declared: PositionerParameters, names: Collect
 
 def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
             ) -> tuple[Model, FinalFit, Runs, Refused | None]:
-    """Return the model that stands in the test set, its final fit, all runs, and what is refused."""
+    """Return the model that stands in the test set, its last fit, all runs, and what is refused."""
     experiment = task.experiment
     test = rows_of(task.segments, 'test', len(experiment.time))
     first = {'declared': experiment.predict(task.declared),

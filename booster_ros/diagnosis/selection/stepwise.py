@@ -183,7 +183,7 @@ def _idealised(model: Model, root: Model) -> bool:
 
 
 def _names(task: Task, parent: Model) -> tuple[str, ...]:
-    """Return the effects to add: beside friction those of the stem, what is above it being known."""
+    """Return the effects to add; beside friction those of the stem, as what is above is known."""
     if parent.problem.observation is not WINDOWS or upstream_task(task) is None:
         return task.names
     return tuple(name for name in task.names
