@@ -9,10 +9,11 @@ from hidden_plant.effects import EFFECTS
 
 from booster_ros.diagnosis.experiment.segments import split
 from booster_ros.diagnosis.fitting.applicable import free_to_refit
-from booster_ros.diagnosis.fitting.freedom import label
+from booster_ros.diagnosis.fitting.freedom import Free, label
 from booster_ros.diagnosis.fitting.intervals import interval_of
 from booster_ros.diagnosis.last_fit import draws_of, last_fit
 from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.result import Interval
 from booster_ros.diagnosis.searching.next_effect import extend
 from booster_ros.diagnosis.searching.search import Search
 from booster_ros.model.parameters import from_values
@@ -31,6 +32,21 @@ class Held(NamedTuple):
 
 def intervals(drawn: Drawn) -> list[Held]:
     """Return for each parameter that is known whether its interval in the last fit holds it."""
+    return judged(drawn, known_intervals(drawn))
+
+
+def judged(drawn: Drawn, known: list[tuple[Free, Interval]]) -> list[Held]:
+    """Return of each of these intervals whether it holds what was put in."""
+    truth = drawn.truth()
+    return [Held(label(free), free.knob.parameter in SIZES.get(drawn.effect, ()),
+                 interval.low <= truth[free.knob.parameter, free.element]
+                 and (interval.open_above
+                      or truth[free.knob.parameter, free.element] <= interval.high))
+            for free, interval in known]
+
+
+def known_intervals(drawn: Drawn) -> list[tuple[Free, Interval]]:
+    """Return the parameters that are known, with their intervals in the last fit."""
     declared = declared_parameters()
     experiment = prepare(drawn.record(), declared)
     segments = split(experiment.time, experiment.current)
@@ -41,17 +57,10 @@ def intervals(drawn: Drawn) -> list[Held]:
     last = last_fit(search, candidate)
     draws = draws_of(search, last)
     truth = drawn.truth()
-    found = []
-    for j, free in enumerate(last.problem.freedoms):
-        known = truth.get((free.knob.parameter, free.element))
-        if known is None:
-            continue
-        interval = interval_of(last.problem, draws, last.fit, j,
-                               last.trials.ends(j) if last.trials else None)
-        found.append(Held(
-            label(free), free.knob.parameter in SIZES.get(drawn.effect, ()),
-            interval.low <= known and (interval.open_above or known <= interval.high)))
-    return found
+    return [(free, interval_of(last.problem, draws, last.fit, j,
+                               last.trials.ends(j) if last.trials else None))
+            for j, free in enumerate(last.problem.freedoms)
+            if (free.knob.parameter, free.element) in truth]
 
 
 def levels(drawn: Drawn) -> tuple[float, float]:
