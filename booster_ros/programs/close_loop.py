@@ -24,6 +24,7 @@ from ..diagnosis.prepare.plausibility import check_declared
 from ..diagnosis.prepare.preparation import prepare
 from ..diagnosis.prepare.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
+from ..diagnosis.selection.task import PLACES
 from ..diagnosis.judging.validation import validated
 from ..model.catalogue import EFFECTS
 from ..model.parameters import ParameterError, from_values
@@ -76,7 +77,8 @@ def main(args: Sequence[str] | None = None) -> int:
 def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
     _check_paths(options)
     _check_options(options)
-    judge = partial(diagnose, **_hypotheses(options))
+    names, places = _hypotheses(options)
+    judge = partial(diagnose, names=names, places=places)
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
     check_declared(declared, str(options.params))
@@ -261,8 +263,12 @@ def _check_options(options: argparse.Namespace) -> None:
             raise RecordError(_useless(option, 'a bag', options))
 
 
-def _hypotheses(options: argparse.Namespace) -> dict[str, Any]:
-    """Return what `diagnose` may try; RecordError for an effect that is not in the catalogue."""
+def _hypotheses(options: argparse.Namespace) -> tuple[tuple[str, ...], frozenset[str]]:
+    """
+    Return the effects to try, and the places where a term without a name may be.
+
+    RecordError for an effect that is not in the catalogue.
+    """
     for option in ('only', 'without'):
         for name in getattr(options, option):
             if name not in EFFECTS:
@@ -272,8 +278,8 @@ def _hypotheses(options: argparse.Namespace) -> dict[str, Any]:
                     f'--{option}: there is no effect {name!r} in the catalogue{hint} '
                     f'(it has {", ".join(EFFECTS)})')
     if options.only:
-        return {'names': tuple(options.only), 'places': frozenset[str]()}
-    return {'names': tuple(name for name in EFFECTS if name not in options.without)}
+        return tuple(options.only), frozenset()
+    return tuple(name for name in EFFECTS if name not in options.without), PLACES
 
 
 def _legible(path: Path | str) -> str:

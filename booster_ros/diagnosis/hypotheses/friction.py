@@ -168,6 +168,7 @@ def _rows_going(problem: Problem, position: Array, act: Actuator, way: float
                       for beside in (-BESIDE, BESIDE)) if known.any() else (position, position)
     least = BEYOND_NOISE * experiment.noise['valve_position']
     rows = (problem.rows & (position > lower_stop(act) + least)
-            & (position < upper_stop(act) - least) & np.isfinite(experiment.measured['chamber_pressure'])
+            & (position < upper_stop(act) - least)
+            & np.isfinite(experiment.measured['chamber_pressure'])
             & (way * (position - earlier) > least) & (way * (later - position) > least))
     return rows, (later - earlier) / (2.0 * BESIDE)
