@@ -83,6 +83,11 @@ def true_parameters(
     known = {name if element is None else f'{name}[{element}]': value
              for (name, element), value in declared_truth(clean).items()}
     for key, size in effects:
-        known |= {name: weight * size for name, weight in SIZES[key].items()}
-        known |= SHAPES.get(key, {})
+        known |= effect_truth(key, size)
     return known
+
+
+def effect_truth(effect: str, size: float) -> dict[str, float]:
+    """Return the model's parameters for an effect of a size; KeyError where it has none."""
+    return {**{name: weight * size for name, weight in SIZES[effect].items()},
+            **SHAPES.get(effect, {})}

@@ -74,8 +74,8 @@ class Drawn:
     def truth(self) -> dict[truth.Key, float]:
         """Return what was put in, by name and element of the model's parameters."""
         valve, _, size = self.valve()
-        return {**truth.declared_truth(valve),
-                **{(name, None): size for name in SIZES.get(self.effect, ())}}
+        of_effect = truth.effect_truth(self.effect, size) if self.effect else {}
+        return {**truth.declared_truth(valve), **{(name, None): v for name, v in of_effect.items()}}
 
     def record(self) -> Record:
         """Return what a recorder with this noise writes of it."""
