@@ -1,8 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnoses made by hand from short simulations, for tests of what is made of a diagnosis."""
+"""
+Diagnoses made by hand from short simulations, for tests of what is made of a diagnosis.
+
+Each is made once and shared by the tests of a process: nothing in it may be changed in place.
+"""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -108,6 +113,7 @@ FRICTION = FoundEffect(
 TERM = UnknownTerm(BENT.discrepancy)
 
 
+@cache
 def friction_found():
     """Return a diagnosis that has found friction."""
     return diagnosis_of(timed_columns(STICKING), 'effect', STICKING, (FRICTION,))
@@ -118,22 +124,26 @@ def judged_on(columns, diagnosis):
     return validated(diagnosis, prepare(record_of(columns, 'other.csv'), DECLARED))
 
 
+@cache
 def friction_judged():
     """Return a diagnosis that has found friction, judged on another record."""
     return judged_on(timed_columns(STICKING, seed=2), friction_found())
 
 
+@cache
 def nothing_found():
     """Return a diagnosis of a plant that is as declared."""
     return diagnosis_of(timed_columns(), 'none')
 
 
+@cache
 def unknown_found():
     """Return a diagnosis that has found a bent spring without a name for it."""
     effect = FoundEffect('unknown', 'stem', {}, (), '', {'misfit_with': 1.1})
     return diagnosis_of(timed_columns(BENT), 'unknown', BENT, (effect,), TERM)
 
 
+@cache
 def refused_found():
     """Return a diagnosis of which the term without a name did not stand."""
     found = diagnosis_of(timed_columns(BENT), 'unknown', DECLARED, (
@@ -143,11 +153,13 @@ def refused_found():
         {name: 2.0 * error.before for name, error in found.held_out.items()}, 0.04))
 
 
+@cache
 def friction_found_in_a_sweep():
     """Return a diagnosis of a record without time."""
     return diagnosis_of(swept_columns(), 'effect', STICKING, (FRICTION,))
 
 
+@cache
 def without(column):
     """Return a diagnosis of a record that lacks a column."""
     columns = timed_columns(STICKING)

@@ -1,7 +1,8 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""`close_loop` as a process: what it writes, what it refuses, and what an interruption leaves."""
+"""`close_loop`: what it writes, what it refuses, and what an interruption leaves."""
 
+from contextlib import redirect_stderr, redirect_stdout
 import errno
 import io
 import json
@@ -11,10 +12,9 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 import weakref
 
-from made_diagnosis import swept_columns, timed_columns
+from made_diagnosis import nothing_found, swept_columns, timed_columns
 import numpy as np
 import pytest
 
@@ -43,12 +43,52 @@ def interrupt(frame, event, _):
 sys.setprofile(interrupt)
 sys.exit(main(sys.argv[1:]))
 """
+INTERRUPTED_IN_A_SEARCH = """
+import os
+import signal
+import sys
+
+from booster_ros.programs import close_loop as program
+
+number = int(sys.argv[1])
+signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+diagnose, there = program.diagnose, []
+
+
+def interrupted(experiment, declared, tell, notes):
+    def tell_and_interrupt(*said):
+        tell(*said)
+        there.append(len(os.listdir(sys.argv[-1])))
+        os.kill(os.getpid(), number)
+
+    return diagnose(experiment, declared, tell_and_interrupt, notes)
+
+
+program.diagnose = interrupted
+status = program.main(sys.argv[2:])
+print(there)
+sys.exit(status)
+"""
+"""What whoever runs the tests ignores, as under nohup, is not ignored here."""
+
 WRITTEN = {'report.html', 'report.json', 'positioner.yaml', 'positioner_before.yaml'}
 
 
 def close_loop(*arguments):
+    """Run the program in this process; return its status and what it said as of a process."""
+    said, complained = io.StringIO(), io.StringIO()
+    command = list(map(str, arguments))
+    with redirect_stdout(said), redirect_stderr(complained):
+        try:
+            status = program.main(command)
+        except SystemExit as end:
+            status = end.code
+    return subprocess.CompletedProcess(command, status, said.getvalue(), complained.getvalue())
+
+
+def close_loop_process(*arguments):
     return subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False)
+        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, check=False)
 
 
 def write(path, columns):
@@ -92,8 +132,8 @@ def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
     node = {'publish_rate': 50.0, 'current_limits': (0.0, 0.022)}
     write_parameter_file(tmp_path / 'closed.yaml', closed, node=node)
     out = tmp_path / 'made' / 'here'
-    done = close_loop('--record', record, '--params', tmp_path / 'closed.yaml', '--out', out,
-                      '--validation', again)
+    done = close_loop_process('--record', record, '--params', tmp_path / 'closed.yaml',
+                              '--out', out, '--validation', again)
     assert done.returncode == 0, done.stderr
     assert {path.name for path in out.iterdir()} == WRITTEN
     report = json.loads((out / 'report.json').read_text())
@@ -115,7 +155,7 @@ def test_bad_input_is_refused_in_one_sentence_and_nothing_is_written(
     out = tmp_path / 'out'
     good = ('--record', record, '--params', declared, '--out', out)
     absent = tmp_path / 'absent.csv'
-    assert_refused(close_loop(*good, '--record', absent), 'absent.csv')
+    assert_refused(close_loop_process(*good, '--record', absent), 'absent.csv')
     assert_refused(close_loop(*good, '--validation', absent), 'absent.csv')
     assert_refused(close_loop(*good, '--params', tmp_path / 'absent.yaml'), 'absent.yaml')
     alone = write(tmp_path / 'alone.csv', {
@@ -215,6 +255,12 @@ def no_search(monkeypatch):
     monkeypatch.setattr(program, 'diagnose', stopped)
 
 
+@pytest.fixture
+def found_at_once(monkeypatch):
+    """Let a run find nothing, as it would in the record of a valve that is as declared."""
+    monkeypatch.setattr(program, 'diagnose', lambda *_: nothing_found())
+
+
 @pytest.mark.usefixtures('no_search')
 def test_what_a_record_was_taken_for_is_said_before_the_search(tmp_path, declared, capsys):
     sweep = swept_columns()
@@ -245,24 +291,19 @@ def test_an_option_for_one_of_two_records_is_taken(tmp_path, declared, record, c
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared, number):
-    record = write(tmp_path / 'long.csv', timed_columns(seconds=600.0))
+def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared, record, number):
+    """It comes amid the search, of whose progress it is told."""
     out = tmp_path / 'out'
     out.mkdir()
     (out / 'report.html').write_text('earlier')
-    process = subprocess.Popen(
-        [*COMMAND, '--record', record, '--params', declared, '--out', out],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL))  # under nohup it is ignored
-    patience = time.monotonic() + 120.0
-    while len(list(out.iterdir())) < 2 and time.monotonic() < patience:
-        time.sleep(0.1)
-    assert len(list(out.iterdir())) == 2  # the temporary folder is there: it works
-    process.send_signal(number)
-    _, said = process.communicate(timeout=120)
-    assert process.returncode == 130, said
-    assert 'Traceback' not in said
-    assert 'nothing was written' in said
+    done = subprocess.run(
+        [sys.executable, '-c', INTERRUPTED_IN_A_SEARCH, str(int(number)), '--record', record,
+         '--params', declared, '--out', out],
+        capture_output=True, text=True, check=False)
+    assert done.returncode == 130, done.stderr
+    assert done.stdout == '[2]\n'  # the temporary folder was there as well; it came but once
+    assert 'Traceback' not in done.stderr
+    assert 'nothing was written' in done.stderr
     assert [path.name for path in out.iterdir()] == ['report.html']
     assert (out / 'report.html').read_text() == 'earlier'
 
@@ -340,6 +381,7 @@ def test_a_second_hangup_does_not_cut_short_what_the_first_began(hangup):
     assert signal.getsignal(signal.SIGHUP) == signal.SIG_DFL
 
 
+@pytest.mark.usefixtures('found_at_once')
 def test_an_interruption_among_the_last_moves_is_too_late(
         tmp_path, declared, record, monkeypatch):
     """Of a result all files are new, or none is."""
@@ -360,6 +402,7 @@ def test_an_interruption_among_the_last_moves_is_too_late(
     assert (out / 'positioner.yaml').read_text() != 'earlier'
 
 
+@pytest.mark.usefixtures('found_at_once')
 def test_a_terminal_that_lacks_a_sign_gets_another(tmp_path, declared, record, monkeypatch):
     printed = io.BytesIO()
     monkeypatch.setattr(sys, 'stdout', io.TextIOWrapper(printed, encoding='latin-1'))
