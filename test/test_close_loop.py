@@ -43,34 +43,6 @@ def interrupt(frame, event, _):
 sys.setprofile(interrupt)
 sys.exit(main(sys.argv[1:]))
 """
-INTERRUPTED_IN_A_SEARCH = """
-import os
-import signal
-import sys
-
-from booster_ros.programs import close_loop as program
-
-number = int(sys.argv[1])
-signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
-diagnose, there = program.diagnose, []
-
-
-def interrupted(experiment, declared, tell, notes):
-    def tell_and_interrupt(*said):
-        tell(*said)
-        there.append(len(os.listdir(sys.argv[-1])))
-        os.kill(os.getpid(), number)
-
-    return diagnose(experiment, declared, tell_and_interrupt, notes)
-
-
-program.diagnose = interrupted
-status = program.main(sys.argv[2:])
-print(there)
-sys.exit(status)
-"""
-"""What whoever runs the tests ignores, as under nohup, is not ignored here."""
-
 WRITTEN = {'report.html', 'report.json', 'positioner.yaml', 'positioner_before.yaml'}
 
 
@@ -290,19 +262,37 @@ def test_an_option_for_one_of_two_records_is_taken(tmp_path, declared, record, c
         assert says in capsys.readouterr().err
 
 
+@pytest.fixture
+def hangup():
+    """Let what a hangup does be set."""
+    before = signal.getsignal(signal.SIGHUP)
+    yield lambda handler: signal.signal(signal.SIGHUP, handler)
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_an_interruption_leaves_an_earlier_report_as_it_was(tmp_path, declared, record, number):
-    """It comes amid the search, of whose progress it is told."""
+def test_an_interruption_leaves_an_earlier_report_as_it_was(
+        tmp_path, declared, record, number, monkeypatch, hangup):
+    """It comes amid the search, when that first tells how far it is."""
+    hangup(signal.SIG_DFL)  # under nohup it is ignored
     out = tmp_path / 'out'
     out.mkdir()
     (out / 'report.html').write_text('earlier')
-    done = subprocess.run(
-        [sys.executable, '-c', INTERRUPTED_IN_A_SEARCH, str(int(number)), '--record', record,
-         '--params', declared, '--out', out],
-        capture_output=True, text=True, check=False)
-    assert done.returncode == 130, done.stderr
-    assert done.stdout == '[2]\n'  # the temporary folder was there as well; it came but once
-    assert 'Traceback' not in done.stderr
+    diagnose, there = program.diagnose, []
+
+    def interrupted(experiment, declared, tell, notes):
+        def tell_and_interrupt(*said):
+            tell(*said)
+            there.append(len(list(out.iterdir())))
+            os.kill(os.getpid(), number)
+
+        return diagnose(experiment, declared, tell_and_interrupt, notes)
+
+    monkeypatch.setattr(program, 'diagnose', interrupted)
+    done = close_loop('--record', record, '--params', declared, '--out', out)
+    assert there == [2]  # the temporary folder was there as well
+    assert done.returncode == 130
+    assert done.stdout == ''
     assert 'nothing was written' in done.stderr
     assert [path.name for path in out.iterdir()] == ['report.html']
     assert (out / 'report.html').read_text() == 'earlier'
@@ -341,14 +331,6 @@ def test_an_interruption_that_comes_where_python_drops_it_is_not_lost(
     assert 'nothing was written' in capsys.readouterr().err
     assert not out.exists()
     assert signal.getsignal(signal.SIGINT) is before
-
-
-@pytest.fixture
-def hangup():
-    """Let what a hangup does be set."""
-    before = signal.getsignal(signal.SIGHUP)
-    yield lambda handler: signal.signal(signal.SIGHUP, handler)
-    signal.signal(signal.SIGHUP, before)
 
 
 def test_a_hangup_that_is_ignored_stays_so(hangup):
