@@ -8,12 +8,15 @@ import math
 import re
 
 from diagnostic_msgs.msg import DiagnosticArray
+from positioner_here import positioner_here
 from positioner_process import Bench, details, report_of, start, with_parameters
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from ros_process import RosProcess, program
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Float64
+
+from booster_ros.model.parameters import ParameterError
 
 FAST = with_parameters(publish_rate=200)
 CURRENT = 0.4524e-3
@@ -100,12 +103,22 @@ def test_bad_commands_are_refused_or_limited_counted_and_warned_about_once(
         assert sum('current_limits 0 to 0.002 A' in line for line in warnings) == 4
 
 
+@pytest.mark.parametrize(('argument', 'sentence'), [
+    ('supply.presure:=3e5', 'there is no parameter supply.presure; did you mean supply.pressure?'),
+    ('supply.pressure:=many', "supply.pressure must be a number in Pa, got 'many'"),
+    ('booster.s2:=1.0', 'booster.s1 .* must be greater than booster.s2'),
+    ('supply.pressure:=.inf', 'supply.pressure must be finite'),
+])
+def test_a_parameter_that_cannot_be_used_is_refused_in_one_sentence(argument, sentence):
+    with pytest.raises(ParameterError, match=f'^{sentence}') as refused, \
+            positioner_here('-p', argument):
+        pass
+    assert '\n' not in str(refused.value)
+
+
 @pytest.mark.parametrize(('arguments', 'sentence'), [
     (['-p', 'supply.presure:=3e5'],
      'there is no parameter supply.presure; did you mean supply.pressure?'),
-    (['-p', 'supply.pressure:=many'], "supply.pressure must be a number in Pa, got 'many'"),
-    (['-p', 'booster.s2:=1.0'], 'booster.s1 .* must be greater than booster.s2'),
-    (['-p', 'supply.pressure:=.inf'], 'supply.pressure must be finite'),
     (['--params-file', 'no_such_file.yaml'], 'no_such_file.yaml'),
     (['--no-such-flag'], 'unknown ROS arguments.*--no-such-flag'),
 ])
