@@ -12,7 +12,7 @@ from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from ros_client import RosClient
-from ros_process import RosProcess, program
+from ros_process import PATIENCE, RosProcess, program
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool, Trigger
 
@@ -46,7 +46,7 @@ class Bench:
         """Command a current, A, and wait until the node has it."""
         self.client.spin_until(lambda: self._commands.get_subscription_count() > 0)
         self._commands.publish(Float64(data=current))
-        assert self._commands.wait_for_all_acked(Duration(seconds=20))
+        assert self._commands.wait_for_all_acked(Duration(seconds=PATIENCE))
 
     def trigger(self, service: str) -> Trigger.Response:
         """Call ~/reset or ~/step."""

@@ -14,6 +14,7 @@ import rclpy
 from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from ros_process import PATIENCE
 
 
 class RosClient:
@@ -28,7 +29,7 @@ class RosClient:
         self._executor.add_node(self.node)
         self._clients: dict[str, Client] = {}
 
-    def spin_until(self, done: Callable[[], bool], timeout: float = 20.0) -> None:
+    def spin_until(self, done: Callable[[], bool], timeout: float = PATIENCE) -> None:
         """
         Handle what arrives until `done()`.
 
@@ -56,7 +57,7 @@ class RosClient:
         for subscription in list(self.node.subscriptions):
             self.node.destroy_subscription(subscription)
 
-    def receive(self, topic: str, kind: type, count: int = 1, timeout: float = 20.0) -> list[Any]:
+    def receive(self, topic: str, kind: type, count: int = 1, timeout: float = PATIENCE) -> list[Any]:
         """Subscribe and return the first `count` messages."""
         messages = self.listen(topic, kind)
         self.spin_until(lambda: len(messages) >= count, timeout)
@@ -81,7 +82,7 @@ class RosClient:
         for _ in range(attempts):
             future = client.call_async(request)
             with contextlib.suppress(AssertionError):
-                self.spin_until(future.done)
+                self.spin_until(future.done, PATIENCE / attempts)
                 return future.result()
             client.remove_pending_request(future)
         raise AssertionError(f'{service} was asked {attempts} times and did not answer')

@@ -19,6 +19,14 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 
+PATIENCE = 120.0
+"""
+Seconds after which a test takes what it waits for not to come.
+
+They pass only where a test fails, so they can be many: on a machine that does ten other things, a
+second's work takes long.
+"""
+
 HANGUP = pytest.param(signal.SIGHUP, marks=pytest.mark.skipif(
     signal.getsignal(signal.SIGHUP) == signal.SIG_IGN, reason='ignored by whoever runs the tests'))
 """The signal of a terminal that closes, for tests of what ends a program."""
@@ -85,10 +93,11 @@ class RosProcess:
     def _find(self, pattern: str) -> str | None:
         return next((line for line in self.stdout + self.stderr if re.search(pattern, line)), None)
 
-    def _over(self) -> bool:
+    def over(self) -> bool:
+        """Tell whether it has ended."""
         return not any(reader.is_alive() for reader in self._readers)
 
-    def wait_for(self, pattern: str, timeout: float = 30.0) -> str:
+    def wait_for(self, pattern: str, timeout: float = PATIENCE) -> str:
         """
         Return the first line, of either stream, in which the regular expression is found.
 
@@ -97,7 +106,7 @@ class RosProcess:
 
         """
         with self._news:
-            self._news.wait_for(lambda: self._find(pattern) or self._over(), timeout)
+            self._news.wait_for(lambda: self._find(pattern) or self.over(), timeout)
             line = self._find(pattern)
         assert line is not None, f'no line with {pattern!r} in:\n{self.output}'
         return line
@@ -106,7 +115,7 @@ class RosProcess:
         """Send a signal."""
         self._process.send_signal(number)
 
-    def wait(self, timeout: float = 30.0) -> int:
+    def wait(self, timeout: float = PATIENCE) -> int:
         """
         Wait for the end and return the exit status (negative: the signal that killed it).
 
@@ -122,7 +131,7 @@ class RosProcess:
             reader.join(timeout)
         return status
 
-    def interrupt(self, timeout: float = 30.0) -> int:
+    def interrupt(self, timeout: float = PATIENCE) -> int:
         """Press Ctrl-C and return the exit status."""
         self.send(signal.SIGINT)
         return self.wait(timeout)

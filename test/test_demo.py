@@ -8,7 +8,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from ros_process import RosProcess, program
+from ros_process import PATIENCE, RosProcess, program
 
 from booster_ros.paper.comparison import comparison
 from booster_ros.paper.indices import StepIndices
@@ -52,7 +52,7 @@ INTERRUPTED_ELSEWHERE = """
 import signal, subprocess, sys, threading
 from booster_ros.programs.demo import ended
 
-sleeper = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])
+sleeper = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(600)'])
 
 def as_a_library() -> None:
     signal.pthread_kill(threading.get_ident(), signal.SIGINT)
@@ -69,7 +69,7 @@ finally:
 
 def test_an_interruption_that_comes_to_another_thread_ends_the_wait():
     done = subprocess.run([sys.executable, '-c', INTERRUPTED_ELSEWHERE], capture_output=True,
-                          text=True, check=False, timeout=30)
+                          text=True, check=False, timeout=PATIENCE)
     assert (done.returncode, done.stdout.strip()) == (0, 'interrupted'), done.stderr
 
 

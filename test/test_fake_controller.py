@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+import contextlib
 import io
 from pathlib import Path
 import signal
@@ -19,11 +20,12 @@ import pytest
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros_client import RosClient
-from ros_process import HANGUP, RosProcess, program
+from ros_process import HANGUP, PATIENCE, RosProcess, program
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import FluidPressure
 from std_msgs.msg import Float64, String
 
-from booster_ros.model.parameters import from_values
+from booster_ros.model.parameters import ParameterError, from_values
 from booster_ros.model.simulation import Plant
 from booster_ros.nodes.current_limits import CurrentLimits
 from booster_ros.nodes.fake_controller import FakeController
@@ -38,6 +40,39 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 def controller(*ros_arguments: str, **parameters: object) -> RosProcess:
     arguments = [*ros_arguments, *with_parameters(**parameters)]
     return RosProcess(program('fake_controller', '--ros-args', *arguments))
+
+
+def gives_up(
+    *ros_arguments: str, until: Callable[[FakeController], bool] | None = None, **parameters: object
+) -> str:
+    """
+    Return what a controller in this process says that it cannot do.
+
+    Where it waits for a positioner, it gives up as soon as `until` says that it knows enough.
+    """
+    with context_here(*ros_arguments, *with_parameters(**parameters)) as arguments, \
+            pytest.raises((ParameterError, RunError)) as refused:
+        node, executor = FakeController(arguments), SingleThreadedExecutor()
+        executor.add_node(node)
+        try:
+            if until is not None:
+                end = time.monotonic() + PATIENCE
+                while not until(node):
+                    assert time.monotonic() < end
+                    executor.spin_once(timeout_sec=0.05)
+                node._settings = node._settings._replace(wait_timeout=1e-9)
+            executor.spin()
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+    return str(refused.value)
+
+
+def knows(node: FakeController, namespace: str, pressures: int) -> bool:
+    """Tell whether the controller has found what the test plays to it."""
+    return (node.count_subscribers(f'{namespace}/control_current') == 1
+            and node.count_publishers(f'{namespace}/chamber_pressure') == pressures
+            and node.count_publishers(f'{namespace}/valve_position') == 1)
 
 
 @pytest.fixture(scope='module')
@@ -101,11 +136,11 @@ def test_a_profile_is_played_in_real_time_and_recorded(tmp_path, positioner, ros
     ros_client.spin_until(lambda: {command.data for command in commands} == {2e-4, 4e-4})
     record = read_record(csv)
     # it ends with the last sample that came in time; a busy machine delivers the last ones late
-    assert 5.2 < record['time'][-1] < 6.1
+    assert 4.5 < record['time'][-1] < 6.1
     np.testing.assert_allclose(np.diff(record['time']), 0.01, atol=2e-6)
     first_high = np.flatnonzero(record['control_current'] == 4e-4)[0]
     assert record['control_current'][first_high - 1] == 2e-4
-    assert record['time'][first_high] == pytest.approx(3.0, abs=0.5)
+    assert 2.98 < record['time'][first_high] < 4.5  # never early; a busy machine sends it late
     assert set(read_record(bag).columns) == set(record.columns)
 
 
@@ -125,9 +160,10 @@ def test_a_recording_needs_every_output(tmp_path, ros_client):
     for name in ('chamber_pressure', 'valve_position'):
         ros_client.node.create_publisher(Float64, f'/half/{name}', 10)
     csv = tmp_path / 'none.csv'
-    with controller('-r', '__ns:=/half', wait_timeout=3.0, record_csv=csv) as node:
-        assert node.wait() == 2
-    assert 'no chamber_pressure has come, no valve_position has come' in node.stderr[-1]
+    said = gives_up('-r', '__ns:=/half', record_csv=csv, feedback='plain',
+                    until=lambda node: knows(node, '/half', 1))
+    assert said.endswith(': no chamber_pressure has come, no valve_position has come')
+    assert not csv.exists()
 
 
 def test_two_positioners_on_the_same_topics_are_not_recorded(tmp_path, ros_client):
@@ -138,11 +174,11 @@ def test_two_positioners_on_the_same_topics_are_not_recorded(tmp_path, ros_clien
         crowd.create_publisher(Float64, f'/crowd/{name}', 10)
     here = ('-r', '__ns:=/crowd')
     csv = tmp_path / 'record.csv'
-    with controller(*here, levels=[2e-4], dwell=0.5, wait_timeout=8.0, record_csv=csv) as node:
-        assert node.wait() == 2
+    said = gives_up(*here, levels=[2e-4], dwell=0.5, record_csv=csv, feedback='plain',
+                    until=lambda node: knows(node, '/crowd', 2))
     name = crowd.get_fully_qualified_name()
-    assert f'several publish /crowd/chamber_pressure ({name}, {name})' in node.stderr[-1]
-    assert 'several publish /crowd/valve_position' not in node.stderr[-1]
+    assert f'several publish /crowd/chamber_pressure ({name}, {name})' in said
+    assert 'several publish /crowd/valve_position' not in said
     assert not csv.exists()
     with controller(*here, levels=[2e-4], dwell=0.5) as node:  # it drives them all: no matter
         assert node.wait() == 0, node.output
@@ -264,25 +300,32 @@ def test_simulated_time_sets_the_pace(tmp_path, ros_client):
     """The profile lasts ten simulated seconds, which pass in a fraction of real ones."""
     csv = tmp_path / 'record.csv'
     clock = ros_client.node.create_publisher(Clock, '/clock', 10)
-    simulated = 100.0
+    simulated, stamps = 100.0, []
+    ros_client.node.create_subscription(
+        FluidPressure, '/sim/chamber_pressure_stamped',
+        lambda message: stamps.append(message.header.stamp.sec
+                                      + 1e-9 * message.header.stamp.nanosec), 10)
     namespace = ['-r', '__ns:=/sim']
     with positioner_process.start(*namespace, *with_parameters(use_sim_time=True)), controller(
         *namespace, use_sim_time=True, levels=[2e-4, 4e-4], dwell=5.0, feedback='stamped',
         record_csv=csv,
     ) as node:
-        end = time.monotonic() + 20.0
-        while not csv.exists() and time.monotonic() < end:
+        end = time.monotonic() + PATIENCE
+        while not node.over() and time.monotonic() < end:
             message = Clock()
             message.clock.sec, rest = divmod(round(simulated * 1e9), 10**9)
             message.clock.nanosec = rest
             clock.publish(message)
             simulated += 0.005
             time.sleep(0.002)
+            # the clock waits for a busy machine, as far as what it sends may get lost on the way
+            with contextlib.suppress(AssertionError):
+                ros_client.spin_until(
+                    lambda: not stamps or simulated - stamps[-1] < 0.05, timeout=1.0)
         assert node.wait() == 0, node.output
     record = read_record(csv)
-    # On wall time the step would come after 10 s of this clock and more. What a busy machine
-    # delivers late, this clock counts two and a half times; what it has not connected yet when
-    # the profile begins is missing from the record.
+    # On wall time the step would come after 10 s of this clock and more. What is not connected yet
+    # when the profile begins is missing from the record.
     assert 9.5 < record['time'][-1] < 10.2
     first_high = np.flatnonzero(record['control_current'] == 4e-4)[0]
     assert record['time'][first_high] == pytest.approx(5.0, abs=0.5)
@@ -295,12 +338,22 @@ def test_simulated_time_sets_the_pace(tmp_path, ros_client):
     ({'profile': 'csv', 'csv_file': '/no/file.csv'}, '/no/file.csv: No such file'),
     ({'record_csv': '/no/folder/x.csv'}, '/no/folder/x.csv cannot be written'),
     ({'record_csv': '/'}, '/ cannot be written: it is a folder'),
-    ({'levels': []}, 'an empty list ([]) is no value of a parameter'),
     ({'wait_timeout': 0.3}, 'nobody subscribes to /alone/control_current'),
     ({'wait_timeout': 0.3, 'lockstep': True}, 'there is no /alone/positioner/step'),
     ({'wait_timeout': 0.3, 'lockstep': True}, 'there is no /alone/positioner/get_parameters'),
 ])
 def test_what_it_cannot_do_it_says_in_a_sentence(parameters, says):
+    said = gives_up('-r', '__ns:=/alone', **parameters)
+    assert says in said
+    assert '\n' not in said
+
+
+@pytest.mark.parametrize(('parameters', 'says'), [
+    ({'levles': 1.0}, 'there is no parameter levles; did you mean levels?'),
+    ({'levels': []}, 'an empty list ([]) is no value of a parameter'),
+    ({'wait_timeout': 0.1}, 'nobody subscribes to /alone/control_current'),
+])
+def test_such_a_sentence_ends_the_process(parameters, says):
     with controller('-r', '__ns:=/alone', **parameters) as node:
         assert node.wait() == 2
     complaints = [line for line in node.stderr if not line.startswith('[')]
@@ -329,9 +382,7 @@ def test_a_bad_parameter_in_a_file_is_said_with_its_line(tmp_path, line, says):
     params = tmp_path / 'params.yaml'
     params.write_text(
         f'other:\n  ros__parameters:\n    {line}\n/**:\n  ros__parameters:\n    {line}\n')
-    with controller('--params-file', str(params)) as node:
-        assert node.wait() == 2
-    assert node.stderr[-1] == f'fake_controller: {params}, line 6: {says}'
+    assert gives_up('--params-file', str(params)) == f'{params}, line 6: {says}'
 
 
 def test_a_file_that_is_read_is_not_recorded_to(tmp_path):
@@ -340,14 +391,10 @@ def test_a_file_that_is_read_is_not_recorded_to(tmp_path):
     params.write_text('/**:\n  ros__parameters:\n    wait_timeout: 0.2\n')
     for given in (profile, params):
         before = given.read_text()
-        with controller(
-            '--params-file', str(params), '-r', '__ns:=/alone', profile='csv', csv_file=profile,
-            record_csv=given,
-        ) as node:
-            assert node.wait() == 2
-        assert node.stderr[-1] == (
-            f'fake_controller: recording: {given}: is read, and would be overwritten; '
-            'choose another record_csv')
+        said = gives_up('--params-file', str(params), '-r', '__ns:=/alone', profile='csv',
+                        csv_file=profile, record_csv=given)
+        assert said == (
+            f'recording: {given}: is read, and would be overwritten; choose another record_csv')
         assert given.read_text() == before
 
 

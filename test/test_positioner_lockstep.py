@@ -11,6 +11,7 @@ import pytest
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from ros_client import RosClient
+from ros_process import PATIENCE
 from sensor_msgs.msg import FluidPressure, JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
@@ -129,7 +130,7 @@ def test_a_command_that_came_before_a_reset_is_not_in_force_after_it(ros_client)
         ros_client.spin_until(lambda: publisher.get_subscription_count() > 0)
         ros_client.spin_until(lambda: node.count_publishers('control_current') > 0)
         publisher.publish(Float64(data=CURRENT))
-        assert publisher.wait_for_all_acked(Duration(seconds=20))
+        assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
         # Nothing has been spun: the executor has found the request first, as it can.
         assert node._on_reset(Trigger.Request(), Trigger.Response()).success
         for _ in range(20):
