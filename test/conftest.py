@@ -1,11 +1,12 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Keep each test process in a ROS domain of its own on this machine."""
+"""Keep each test process in a ROS domain of its own on this machine, and tell tests with nodes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 import os
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import pytest
@@ -27,6 +28,24 @@ os.environ['RCUTILS_COLORIZED_OUTPUT'] = '0'
 def pytest_unconfigure() -> None:
     """Give the domain back."""
     _DOMAIN.release()
+
+
+WITH_NODES = {'rclpy', 'ros_client', 'ros_process', 'positioner_here', 'positioner_process'}
+"""Modules by whose functions and classes tests start nodes."""
+
+
+def starts_nodes(module: ModuleType) -> bool:
+    """Tell whether a file of tests takes anything from the modules that start nodes."""
+    homes = (value.__name__ if isinstance(value, ModuleType) else getattr(value, '__module__', '')
+             for value in vars(module).values())
+    return any(str(home).partition('.')[0] in WITH_NODES for home in homes)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark each test as one of those that start nodes or of those that do not."""
+    for item in items:
+        if isinstance(item, pytest.Function) and not item.get_closest_marker('linter'):
+            item.add_marker('ros' if starts_nodes(item.module) else 'unit')
 
 
 @pytest.fixture(scope='session')

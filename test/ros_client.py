@@ -57,7 +57,9 @@ class RosClient:
         for subscription in list(self.node.subscriptions):
             self.node.destroy_subscription(subscription)
 
-    def receive(self, topic: str, kind: type, count: int = 1, timeout: float = PATIENCE) -> list[Any]:
+    def receive(
+        self, topic: str, kind: type, count: int = 1, timeout: float = PATIENCE
+    ) -> list[Any]:
         """Subscribe and return the first `count` messages."""
         messages = self.listen(topic, kind)
         self.spin_until(lambda: len(messages) >= count, timeout)

@@ -50,18 +50,22 @@ def gives_up(
 
     Where it waits for a positioner, it gives up as soon as `until` says that it knows enough.
     """
-    with context_here(*ros_arguments, *with_parameters(**parameters)) as arguments, \
-            pytest.raises((ParameterError, RunError)) as refused:
-        node, executor = FakeController(arguments), SingleThreadedExecutor()
-        executor.add_node(node)
+    with context_here(*ros_arguments, *with_parameters(**parameters)) as arguments:
         try:
+            node = FakeController(arguments)
+        except ParameterError as error:
+            return str(error)
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        end = time.monotonic() + PATIENCE
+        try:
+            while until is not None and not until(node):
+                assert time.monotonic() < end
+                executor.spin_once(timeout_sec=0.05)
             if until is not None:
-                end = time.monotonic() + PATIENCE
-                while not until(node):
-                    assert time.monotonic() < end
-                    executor.spin_once(timeout_sec=0.05)
                 node._settings = node._settings._replace(wait_timeout=1e-9)
-            executor.spin()
+            with pytest.raises(RunError) as refused:
+                executor.spin()
         finally:
             executor.shutdown()
             node.destroy_node()
@@ -69,10 +73,14 @@ def gives_up(
 
 
 def knows(node: FakeController, namespace: str, pressures: int) -> bool:
-    """Tell whether the controller has found what the test plays to it."""
+    """Tell whether the controller has found what the test publishes, and who that is."""
+    def publishers(topic: str) -> list[str]:
+        found = node.get_publishers_info_by_topic(f'{namespace}/{topic}')
+        return [one.node_name for one in found]
+
     return (node.count_subscribers(f'{namespace}/control_current') == 1
-            and node.count_publishers(f'{namespace}/chamber_pressure') == pressures
-            and node.count_publishers(f'{namespace}/valve_position') == 1)
+            and publishers('chamber_pressure') == ['test_client'] * pressures
+            and publishers('valve_position') == ['test_client'])
 
 
 @pytest.fixture(scope='module')
@@ -321,7 +329,7 @@ def test_simulated_time_sets_the_pace(tmp_path, ros_client):
             # the clock waits for a busy machine, as far as what it sends may get lost on the way
             with contextlib.suppress(AssertionError):
                 ros_client.spin_until(
-                    lambda: not stamps or simulated - stamps[-1] < 0.05, timeout=1.0)
+                    lambda shown=simulated: not stamps or shown - stamps[-1] < 0.05, timeout=1.0)
         assert node.wait() == 0, node.output
     record = read_record(csv)
     # On wall time the step would come after 10 s of this clock and more. What is not connected yet
