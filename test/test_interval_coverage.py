@@ -6,8 +6,10 @@ from dataclasses import replace
 import re
 
 from hidden_plant.sensors import POSITION_NOISE, PRESSURE_NOISE
+from interval_coverage import __main__ as program
 from interval_coverage.__main__ import main
-from interval_coverage.fits import Held, declared_parameters, intervals, levels
+from interval_coverage.fits import (
+    Held, declared_parameters, judged, known_intervals, levels)
 from interval_coverage.page import page
 from interval_coverage.valves import SIZES, Drawn
 import numpy as np
@@ -52,7 +54,8 @@ def test_what_is_drawn_is_drawn_anew_and_again():
 
 def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
     drawn = Drawn('chamber_leak', 0.0, 4)
-    found = {one.parameter: one for one in intervals(drawn)}
+    known = known_intervals(drawn)
+    found = {one.parameter: one for one in judged(drawn, known)}
     assert len(found) == 12
     assert found['actuator.leak_area'].of_effect
     assert found['actuator.leak_area'].held
@@ -60,7 +63,7 @@ def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
     truth = drawn.truth()
     monkeypatch.setattr(Drawn, 'truth', lambda _: {
         **truth, ('actuator.leak_area', None): 2.0 * truth['actuator.leak_area', None]})
-    again = {one.parameter: one for one in intervals(drawn)}
+    again = {one.parameter: one for one in judged(drawn, known)}
     assert not again.pop('actuator.leak_area').held
     assert all(again[name].held == one.held for name, one in found.items() if name in again)
 
@@ -86,7 +89,9 @@ def test_the_page_counts():
     assert '| stairs | 0.9 | 1 | 0.82 | 1.00 | 1.18 |' in text
 
 
-def test_the_command_writes_the_page_it_names(tmp_path, capsys):
+def test_the_command_writes_the_page_it_names(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(program, 'COLOURS', (0.9,))
+    monkeypatch.setattr(program, 'ALL_COLOURS', (0.9,))
     page_file = tmp_path / 'page.md'
     assert main(['--records', '1', '--levels', '1', '--effects', 'none', '--seed', '7',
                  '--docs', str(page_file)]) == 0

@@ -7,14 +7,14 @@ from typing import NamedTuple
 from hidden_plant.declared import declared_groups
 from hidden_plant.effects import EFFECTS
 
-from booster_ros.diagnosis.data.blocks import split
+from booster_ros.diagnosis.data.blocks import split, training_blocks
+from booster_ros.diagnosis.estimation.final_fit import final_fit
+from booster_ros.diagnosis.estimation.parametrisation import Free, label
+from booster_ros.diagnosis.estimation.uncertainty import Interval, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
-from booster_ros.diagnosis.estimation.parametrisation import label
-from booster_ros.diagnosis.estimation.uncertainty import interval_of
-from booster_ros.diagnosis.last_fit import draws_of, last_fit
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.searching.next_effect import extend
-from booster_ros.diagnosis.searching.search import Search
+from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
+from booster_ros.diagnosis.selection.task import Task
 from booster_ros.model.parameters import from_values
 from booster_ros.model.system import PositionerParameters
 
@@ -30,28 +30,34 @@ class Held(NamedTuple):
 
 
 def intervals(drawn: Drawn) -> list[Held]:
-    """Return for each parameter that is known whether its interval in the last fit holds it."""
+    """Return for each parameter that is known whether its interval in the final fit holds it."""
+    return judged(drawn, known_intervals(drawn))
+
+
+def judged(drawn: Drawn, known: list[tuple[Free, Interval]]) -> list[Held]:
+    """Return of each of these intervals whether it holds what was put in."""
+    truth = drawn.truth()
+    return [Held(label(free), free.knob.parameter in SIZES.get(drawn.effect, ()),
+                 interval.low <= truth[free.knob.parameter, free.element]
+                 and (interval.open_above
+                      or truth[free.knob.parameter, free.element] <= interval.high))
+            for free, interval in known]
+
+
+def known_intervals(drawn: Drawn) -> list[tuple[Free, Interval]]:
+    """Return the parameters that are known, with their intervals in the final fit."""
     declared = declared_parameters()
     experiment = prepare(drawn.record(), declared)
     segments = split(experiment.time, experiment.current)
     names = EFFECTS[drawn.effect].names[:1] if drawn.effect else ()
-    search = Search(experiment, segments, declared, free_to_refit(declared, experiment), names)
-    refit = search.refit()
-    candidate = extend(search, refit, tick=lambda: None)[0] if names else refit
-    last = last_fit(search, candidate)
-    draws = draws_of(search, last)
+    task = Task(experiment, segments, declared, free_to_refit(declared, experiment), names)
+    root = refitted(task)
+    model = (neighbours(task, root, names).near or [root])[0] if names else root
+    last = final_fit(model.problem, model.fit.z, training_blocks(segments, len(experiment.time)))
     truth = drawn.truth()
-    found = []
-    for j, free in enumerate(last.problem.freedoms):
-        known = truth.get((free.knob.parameter, free.element))
-        if known is None:
-            continue
-        interval = interval_of(last.problem, draws, last.fit, j,
-                               last.trials.ends(j) if last.trials else None)
-        found.append(Held(
-            label(free), free.knob.parameter in SIZES.get(drawn.effect, ()),
-            interval.low <= known and (interval.open_above or known <= interval.high)))
-    return found
+    return [(free, interval_of(last.problem, last.draws, last.fit, j))
+            for j, free in enumerate(last.problem.freedoms)
+            if (free.knob.parameter, free.element) in truth]
 
 
 def levels(drawn: Drawn) -> tuple[float, float]:
