@@ -12,7 +12,8 @@ import numpy as np
 
 from ..diagnosis.hypotheses.applicable import free_to_refit
 from ..diagnosis.data.experiment import Experiment, rmse
-from ..diagnosis.estimation.problem import Fit, Problem
+from ..diagnosis.estimation.fit import Fit, fit
+from ..diagnosis.estimation.problem import Problem
 from ..diagnosis.estimation.parametrisation import effect_freedom, put
 from ..model.catalogue import EFFECTS
 from ..model.system import PositionerParameters
@@ -97,8 +98,7 @@ def best_fit(
              for free in effect_freedom(EFFECTS[name], declared)]
     base = put(declared, 'booster.opening_gain', model.gain) if model.gain else declared
     problem = Problem(experiment, rows, base, (*own, *added))
-    fits = [problem.fit(z, _EVALUATIONS) for z in _starts(problem)]
-    return min(fits, key=lambda fit: fit.cost)
+    return fit(problem, tuple(_starts(problem)), _EVALUATIONS)
 
 
 def _starts(problem: Problem) -> Iterator[np.ndarray]:
