@@ -9,13 +9,13 @@ from made_effect import add_effect
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.pipeline import less_the_locked_part
 from booster_ros.diagnosis.data.blocks import rows_of, split
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit, matters
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, put
+from booster_ros.diagnosis.judging.test_set import without_test_set
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.selection.screening import with_effect
+from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.gas import ISENTROPIC
 
@@ -197,14 +197,14 @@ def test_a_sweep_without_a_clock_says_nothing_of_what_acts_by_speeds(columns, fr
     assert {one.knob.parameter for one in rubs.freedoms} == {f'actuator.{name}' for name in free}
 
 
-@pytest.mark.parametrize(('role', 'tried'), [('test', False), ('select', True)])
+@pytest.mark.parametrize(('role', 'tried'), [('test', False), ('train', True)])
 def test_what_the_locked_part_alone_shows_decides_nothing(role, tried):
     """A pressure that comes near the bench set there only would have its stem looked into."""
     columns = only('time', 'control_current', 'chamber_pressure')
     experiment = prepare(record_of(columns), DECLARED)
     segments = split(experiment.time, experiment.current)
     pressure = np.full(ROWS, 50e3)
-    pressure[rows_of(segments, (role,), ROWS)] = 250e3
-    seen = less_the_locked_part(
+    pressure[rows_of(segments, role, ROWS)] = 250e3
+    seen = without_test_set(
         replace(experiment, measured={'chamber_pressure': pressure}), segments)
     assert ('stem_friction' in applicable(seen, DECLARED)) == tried

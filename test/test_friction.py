@@ -12,7 +12,7 @@ from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.fitting.friction_start import best_friction, each_damping
 from booster_ros.diagnosis.fitting.friction_trials import Trials, friction_trials
 from booster_ros.diagnosis.estimation.uncertainty import interval_of
-from booster_ros.diagnosis.selection.screening import with_effect
+from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
@@ -65,7 +65,7 @@ def test_what_linear_algebra_rounds_is_no_other_slip():
     problem = problem_of(RIGID)
     z = problem.start() + 0.3
     again = z * (1.0 + 1e-14)
-    rows, here = problem.rows_counted(), problem.residuals(z)
+    rows, here = problem.observed, problem.residuals(z)
     assert np.array_equal(problem.residuals(again)[:rows], here[:rows])
     slopes = problem.jacobian(z, here)
     after, before = (problem.jacobian(place, here, scale * slopes)[:rows]

@@ -124,7 +124,7 @@ def test_a_fit_of_a_stem_that_sticks_gets_through_the_roughness_of_its_slips(pac
     _, problem = packing
     begin = begin_with(problem, PUT_IN, 1.0)
     fits = [problem.fit(begin + away, evaluations=EVALUATIONS) for away in NEXT_TO]
-    assert min(fit.cost for fit in fits) < 1.42 * problem.rows_counted()
+    assert min(fit.cost for fit in fits) < 1.42 * problem.observed
 
 
 def test_the_means_over_slips_show_how_much_friction_there_is(packing):

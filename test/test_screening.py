@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from made_effect import add_effect
-from made_search import P, STEPS, TIME, everywhere, searching, seen, steps_seen
+from made_task import P, STEPS, TIME, everywhere, searching, seen, steps_seen
 import numpy as np
 import pytest
 
@@ -48,7 +48,7 @@ def test_a_ripple_far_below_the_typical_size_is_screened_as_what_it_is(bins):
     around = references(problem, problem.at(problem.start()))
     quick = screen(problem, around, 'supply_ripple', found)
     without = float(np.sum(problem.residuals(problem.start())**2))
-    noise = problem.rows_counted()
+    noise = problem.observed
     assert quick.cost - noise < 0.15 * (without - noise)
     sizes = dict(zip((f.knob.parameter for f in quick.problem.freedoms), quick.starts[0]))
     free = {f.knob.parameter: f for f in quick.problem.freedoms}
@@ -112,7 +112,7 @@ def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is
     places = references(refit.problem, refit.fit)
     before, after = (screen(refit.problem, some, 'tubing_restriction', np.array([0.5])).cost
                      for some in (places[:2], places))
-    rows = refit.problem.rows_counted()
+    rows = refit.problem.observed
     assert before > 2.0 * rows
     assert after < 1.3 * rows
 
@@ -129,6 +129,6 @@ def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
     beside = search.joint(search.refit().problem, ('ep_hysteresis',))
     fit = beside.fit(beside.start(), evaluations=30)
     seen_as = screen(beside, references(beside, fit), 'tubing_restriction', np.array([0.5]))
-    rows = beside.rows_counted()
+    rows = beside.observed
     assert fit.cost > 1.3 * rows
     assert seen_as.cost < 1.03 * rows

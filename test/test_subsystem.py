@@ -3,7 +3,7 @@
 """What is seen above the stem, with its measured position as what drives the chamber."""
 
 from made_effect import add_effect
-from made_search import LEAKING, P, RUBBING, searching, seen, standing_at
+from made_task import LEAKING, P, RUBBING, searching, seen, standing_at
 import numpy as np
 import pytest
 

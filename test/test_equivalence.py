@@ -179,5 +179,5 @@ def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_rec
     found = screen(problem, references(problem, problem.at(refit.fit.z)), 'exhaust_asymmetry',
                    np.array([0.5]))
     reached = min(float(np.sum(found.problem.residuals(z)**2)) for z in found.starts)
-    assert reached < 1.3 * problem.rows_counted()
-    assert refit.fit.cost > 3.0 * problem.rows_counted()
+    assert reached < 1.3 * problem.observed
+    assert refit.fit.cost > 3.0 * problem.observed

@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from made_diagnosis import DECLARED, record_of, timed_columns, unknown_found
-from made_search import P, searching, seen
+from made_task import P, searching, seen
 import numpy as np
 import pytest
 
@@ -93,7 +93,7 @@ def test_one_over_time_stands_behind_one_over_a_state_that_does_as_well():
 
 def test_one_over_time_stands_behind_also_where_all_segments_count(monkeypatch):
     refit = searching(seen(P), ()).refit()
-    rows = refit.problem.rows_counted()
+    rows = refit.problem.observed
     left = {(): 9.0, (DRIFTING,): 1.0, (UNNAMED + 'chamber over valve_position',): 1.02}
 
     def on_both(_, one, factor):

@@ -12,7 +12,7 @@ from made_diagnosis import diagnosis_of, record_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis import change
+from booster_ros.diagnosis.judging import change_point
 from booster_ros.diagnosis.judging.change_point import since_change
 from booster_ros.report.wording import verdict_sentences, verdict_title
 
@@ -96,7 +96,7 @@ def test_no_parameter_has_changed_where_what_came_after_is_met_as_before(monkeyp
     clean = columns_of()
     after = {name: values[clean['time'] >= AT] for name, values in clean.items()}
     later = diagnosis_of(after, 'none')
-    monkeypatch.setattr(change, '_later', lambda *_: later)
+    monkeypatch.setattr(change_point, '_later', lambda *_: later)
     found = since_change(diagnosis_of(columns, 'none'), record_of(columns))
     assert found.change.cut
     assert found.change.moved == ()
@@ -137,7 +137,7 @@ def test_a_diagnosis_of_the_rest_has_to_leave_half_and_may_still_leave_something
         times, cut, monkeypatch):
     columns = knocked(3e-4, AT)
     whole = leaving(diagnosis_of(columns, 'none'), 4.0)  # squares: half of 16 is 8
-    monkeypatch.setattr(change, '_later', lambda *_: leaving(whole, times))
+    monkeypatch.setattr(change_point, '_later', lambda *_: leaving(whole, times))
     found = since_change(whole, record_of(columns))
     assert found.change.cut is cut
     assert found.change.time == pytest.approx(AT, abs=0.3)

@@ -4,7 +4,7 @@
 
 from dataclasses import replace
 
-from made_search import P, RAMPS, RAMPS_TIME, searching, seen, standing_at
+from made_task import P, RAMPS, RAMPS_TIME, searching, seen, standing_at
 import numpy as np
 import pytest
 

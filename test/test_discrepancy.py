@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
-from made_search import P, RAMPS, RAMPS_TIME, STEPS, TIME, searching, seen, steps_seen, too_quiet
+from made_task import P, RAMPS, RAMPS_TIME, STEPS, TIME, searching, seen, steps_seen, too_quiet
 import numpy as np
 import pytest
 
@@ -166,8 +166,8 @@ def test_on_a_ramp_the_way_to_go_is_that_of_the_slower_converter(current):
     low, high = covered(joint.base.discrepancy)
     assert low < behind.min() < behind.max() < high
     found = joint.fit(joint.start(), evaluations=20)
-    assert refit.cost > 20.0 * joint.rows_counted()
-    assert found.cost < 1.1 * joint.rows_counted()
+    assert refit.cost > 20.0 * joint.observed
+    assert found.cost < 1.1 * joint.observed
 
 
 def test_what_a_table_holds_makes_no_valve_implausible():

@@ -4,7 +4,7 @@
 
 from dataclasses import replace
 
-from made_search import (
+from made_task import (
     P, RAMPS, RAMPS_TIME, START_PRESSURE, STEPS, everywhere, searching, seen, steps_seen)
 import numpy as np
 import pytest
