@@ -39,6 +39,7 @@ setup(
             'close_loop = booster_ros.__main__:close_loop',
             'paper = booster_ros.__main__:paper',
             'demo = booster_ros.__main__:demo',
+            'campaign = booster_ros.__main__:campaign',
         ],
     },
 )

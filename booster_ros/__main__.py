@@ -25,6 +25,10 @@ PROGRAMS = {
         'booster_ros.programs.demo',
         "the paper's step responses over real topics, with its figures beside ours and a plot",
     ),
+    'campaign': (
+        'booster_ros.programs.campaign',
+        'judge close_loop on sets of records whose truth is known, and compare two states of it',
+    ),
 }
 
 
@@ -70,7 +74,7 @@ def start(name: str, args: list[str] | None = None) -> int:
 
 
 # what setup.py installs
-positioner, fake_controller, simulate, close_loop, paper, demo = (
+positioner, fake_controller, simulate, close_loop, paper, demo, campaign = (
     partial(start, name) for name in PROGRAMS)
 
 

@@ -2,13 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where reports say they are from, and their pages taken apart."""
 
+from functools import cache
 from html.parser import HTMLParser
 import re
 
+from made_diagnosis import MADE
+
+from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
 
 FROM = Provenance('plant.csv', 'declared.yaml')
 VOID = {'meta', 'link', 'br', 'img', 'input', 'hr'}
+
+
+@cache
+def made_page(name: str) -> str:
+    """Return the page of the diagnosis that is made under this name."""
+    return html_page(MADE[name](), FROM)
 
 
 class Page(HTMLParser):

@@ -16,6 +16,8 @@ from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, p
 from booster_ros.diagnosis.judging.test_set import without_test_set
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.hypotheses.compose import with_effect
+from booster_ros.model.actuator import VESSEL
+from booster_ros.model.booster import NO_BOOSTER
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.gas import ISENTROPIC
 
@@ -102,10 +104,25 @@ def test_the_isentropic_law_has_no_critical_ratio_to_look_for():
     assert left == {'booster.critical_pressure_ratio'}
 
 
+@pytest.mark.parametrize(('parameter', 'kind', 'part'), [
+    ('booster.kind', NO_BOOSTER, 'booster'), ('actuator.kind', VESSEL, 'stem')])
+def test_no_effect_is_looked_for_in_a_part_that_is_not_there(parameter, kind, part):
+    experiment, less = prepared('commanded'), put(DECLARED, parameter, kind)
+    sensor = {name for name in EFFECTS if 'position' in name} - located('stem')
+    assert set(EFFECTS) - set(applicable(experiment, less)) == located(part) | (
+        sensor if part == 'stem' else set())
+    refitted = [{free.knob.parameter for free in free_to_refit(p, experiment)}
+                for p in (DECLARED, less)]
+    assert refitted[0] - refitted[1] == {
+        'booster': {'booster.opening_gain', 'booster.max_area', 'booster.critical_pressure_ratio'},
+        'stem': {'actuator.bench_set', 'actuator.viscous_friction', 'actuator.stop_stiffness'},
+    }[part]
+
+
 def test_a_signature_shows_the_stem_and_its_sensor():
     timed = located('stem') | {'position_backlash', 'position_sensor_lag', 'position_sensor_bias'}
     assert names('signature in time') == timed
-    assert names('signature') == timed - {'position_sensor_lag'}
+    assert names('signature') == timed - {'position_sensor_lag', 'stem_damping'}
 
 
 @pytest.mark.parametrize(('kind', 'clocked', 'shows'), [

@@ -302,7 +302,7 @@ def test_an_interruption_as_a_thread_starts_ends_the_process(tmp_path, declared,
     done = subprocess.run(
         [sys.executable, '-c', INTERRUPTED_AS_A_THREAD_STARTS, '--record', record,
          '--params', declared, '--out', tmp_path / 'out'],
-        capture_output=True, text=True, timeout=120, check=False)
+        capture_output=True, text=True, check=False)
     assert done.returncode == 130, done.stderr
     assert 'nothing was written' in done.stderr
     assert not (tmp_path / 'out').exists()

@@ -19,7 +19,7 @@ from positioner_runs import (
 )
 import pytest
 
-from booster_ros.model.actuator import leak_flow
+from booster_ros.model.chamber import leak_flow
 from booster_ros.model.simulation import Plant, Simulation, simulate
 from booster_ros.model.tubing import tube_flow
 

@@ -12,14 +12,14 @@ from booster_ros.model.simulation import Simulation, simulate
 from booster_ros.model.system import PositionerParameters
 
 NAMES = {
-    'ep_converter': 'ep_hysteresis ep_drift ep_nonlinearity dead_time',
+    'ep_converter': 'ep_hysteresis ep_drift ep_nonlinearity dead_time ep_gain_loss',
     'booster': 'booster_dead_band exhaust_asymmetry supply_seat_leak exhaust_seat_leak '
                'opening_nonlinearity plug_flow_force critical_pressure_ratio',
     'supply': 'supply_droop supply_ripple',
     'tubing': 'tubing_restriction',
     'chamber': 'chamber_leak heat_transfer dead_volume_change',
     'stem': 'stem_friction position_dependent_friction spring_nonlinearity effective_area_change '
-            'bench_set_shift seat_load flow_force',
+            'bench_set_shift spring_rate_change stem_damping travel_limit seat_load flow_force',
     'sensor': 'position_backlash position_sensor_lag position_sensor_bias pressure_sensor_lag '
               'pressure_sensor_bias',
 }
@@ -91,6 +91,16 @@ def sized(effect: str, share: float) -> dict[str, object]:
         else:
             values[knob.parameter] = knob.neutral + share * (knob.typical - knob.neutral)
     return values
+
+
+@pytest.mark.parametrize('effect', EFFECTS)
+def test_machine_code_and_plain_python_give_the_same_bits(effect):
+    p, short = positioner(sized(effect, 1.0)), TIME < 0.4
+    current = np.where(TIME[short] < 0.2, current_for(320e3), current_for(130e3))
+    machine, plain = (simulate(p, TIME[short], current, settled_at(140e3), compiled=compiled)
+                      for compiled in (True, False))
+    for name, values in plain.columns.items():
+        assert np.array_equal(machine[name], values), name
 
 
 @pytest.mark.parametrize('effect', EFFECTS)

@@ -14,14 +14,16 @@ from positioner_runs import (
 )
 import pytest
 
+from booster_ros.model.sensors import (
+    position_behind, position_reading, pressure_behind, pressure_reading)
 from booster_ros.model.simulation import simulate
 
 LEG = 30.0
 TIME, CURRENT = paper_test()
 DECLARED = simulate(positioner(), TIME, CURRENT)
 SENSOR_VALUES = {
-    'sensors.pressure_bias': 2e3, 'sensors.pressure_lag': 0.2, 'sensors.position_bias': 3e-4,
-    'sensors.position_span_error': 0.03, 'sensors.position_lag': 0.1,
+    'sensors.pressure_bias': 2e3, 'sensors.pressure_span_error': 0.03, 'sensors.pressure_lag': 0.2,
+    'sensors.position_bias': 3e-4, 'sensors.position_span_error': 0.03, 'sensors.position_lag': 0.1,
     'sensors.position_backlash': 2e-4,
 }
 
@@ -50,9 +52,20 @@ def test_biases_are_there_in_every_state():
     assert position - DECLARED['valve_position'] == pytest.approx(-3e-4, abs=1e-12)
 
 
-def test_a_span_error_grows_with_the_position():
-    position = reading({'sensors.position_span_error': 0.03}, 'valve_position')
-    assert position == pytest.approx(1.03 * DECLARED['valve_position'], rel=1e-12)
+@pytest.mark.parametrize('name', ['valve_position', 'chamber_pressure'])
+def test_a_span_error_grows_with_what_is_read(name):
+    sensor = 'sensors.pressure_span_error' if 'pressure' in name else 'sensors.position_span_error'
+    assert reading({sensor: 0.03}, name) == pytest.approx(1.03 * DECLARED[name], rel=1e-12)
+
+
+def test_what_is_behind_a_reading_is_found_again():
+    sensors = positioner({
+        'sensors.pressure_bias': 3e3, 'sensors.pressure_span_error': -0.2,
+        'sensors.position_bias': -2e-4, 'sensors.position_span_error': 0.1}).sensors
+    assert pressure_reading(sensors, 100e3) == pytest.approx(83e3)
+    assert position_reading(sensors, 0.01) == pytest.approx(0.0108)
+    assert pressure_behind(sensors, pressure_reading(sensors, 123e3)) == pytest.approx(123e3)
+    assert position_behind(sensors, position_reading(sensors, 7e-3)) == pytest.approx(7e-3)
 
 
 @pytest.mark.parametrize(('name', 'lag'), [('chamber_pressure', 0.3), ('valve_position', 0.15)])

@@ -105,6 +105,16 @@ def test_dead_time_is_a_pure_shift(dead_time):
             1.0, dead_time / 0.25) / 4.0, name
 
 
+@pytest.mark.parametrize('loss', [0.3, -0.5])
+def test_ep_gain_loss_is_another_slope_through_the_same_zero(loss):
+    currents, time = np.array([0.0, 0.1e-3, 0.25e-3, 0.4e-3]), rows(2.0)
+    settled = [
+        simulate(positioner({'ep_converter.gain_loss': loss, 'ep_converter.offset': 7e3}), time,
+                 np.full_like(time, i), {'back_pressure': 0.0})['back_pressure'][-1]
+        for i in currents]
+    assert settled == pytest.approx(7e3 + (1.0 - loss) * GAIN * currents, abs=1.0)
+
+
 def test_booster_dead_band_holds_the_chamber_while_the_back_pressure_turns():
     preloads = {'booster.intake_preload': 0.03, 'booster.exhaust_preload': 0.02}
     width = 0.05 / 13.52e-6

@@ -288,7 +288,7 @@ def test_an_interrupted_recording_is_complete_and_said_to_be_partial(tmp_path, p
         assert node.interrupt() == 0, node.output
         assert 'partial' in node.output
         assert 'Traceback' not in node.output
-    assert 2 < len(read_record(csv)) < 1000
+    assert 2 < len(read_record(csv)) < 10_000
     assert len(read_record(bag)) > 2
     assert sorted(path.name for path in tmp_path.iterdir()) == ['record', 'record.csv']
 
@@ -453,7 +453,7 @@ def test_an_interrupted_recording_leaves_the_one_that_is_there(tmp_path, positio
         assert node.interrupt() == 0, node.output
     assert f'samples recorded to {beside}' in node.output
     assert csv.read_text() == 'old'
-    assert 2 < len(read_record(beside)) < 1000
+    assert 2 < len(read_record(beside)) < 10_000
 
 
 @pytest.mark.parametrize('lockstep', [False, True])
@@ -471,7 +471,8 @@ def test_a_current_that_the_positioner_refuses_is_not_recorded(tmp_path, lockste
         'positioner, 0 to 0.002 A: it does not follow that, so that it cannot be recorded')
     record = read_record(csv)
     assert set(record['control_current']) == {1e-4}
-    assert 0.5 < record['time'][-1] < 1.2  # a busy machine sends late, and receives later
+    # a busy machine sends late, and receives later
+    assert 0.5 < record['time'][-1] < (1.2 if lockstep else 3.0)
 
 
 def test_of_a_current_that_the_positioner_refuses_is_warned_once(positioner):

@@ -6,9 +6,9 @@ from dataclasses import replace
 import re
 
 from made_diagnosis import (
-    MADE, diagnosis_of, friction_found, friction_found_in_a_sweep, friction_judged, nothing_found,
-    swept_columns, timed_columns)
-from made_report import FROM, Page
+    MADE, diagnosis_of, friction_found, friction_judged, nothing_found, swept_columns,
+    timed_columns)
+from made_report import FROM, Page, made_page
 import numpy as np
 import pytest
 
@@ -23,8 +23,7 @@ JUDGED = Provenance('plant.csv', 'declared.yaml', 'other.csv')
 @pytest.fixture(scope='module', params=MADE)
 def made(request):
     """Return a diagnosis and its page."""
-    diagnosis = MADE[request.param]()
-    return diagnosis, html_page(diagnosis, FROM)
+    return MADE[request.param](), made_page(request.param)
 
 
 def test_a_page_is_whole_self_contained_and_light(made):
@@ -58,7 +57,7 @@ def test_a_page_shows_the_other_record_where_there_is_one():
     assert 'plant.csv explained by declared.yaml, judged on other.csv' in page.texts
     assert page.texts.count('validation record') == 1  # in the table
     assert page.texts.count('validation') == 2  # in the figure, once for each channel
-    alone = Page(html_page(friction_found(), FROM))
+    alone = Page(made_page('effect'))
     assert 'judged on' not in alone.text
     assert 'validation' not in alone.text
 
@@ -75,7 +74,7 @@ def test_a_page_says_what_was_dropped_how_it_was_split_and_what_scaling_hides(ma
 
 
 def test_the_page_shows_suspects_intervals_and_what_is_not_told_apart():
-    page = Page(html_page(friction_found(), FROM))
+    page = Page(made_page('effect'))
     assert '41 times the squared error of the choice' in page.texts
     assert '480 to 520 N' in page.texts
     assert 'This record cannot tell stem friction from position backlash.' in page.texts
@@ -85,11 +84,11 @@ def test_the_page_shows_suspects_intervals_and_what_is_not_told_apart():
 @pytest.mark.parametrize(('name', 'shown'), [
     ('effect', True), ('pressure only', False), ('position only', False)])
 def test_the_signature_is_shown_where_pressure_and_position_are_known(name, shown):
-    assert ('Valve signature' in Page(html_page(MADE[name](), FROM)).texts) == shown
+    assert ('Valve signature' in Page(made_page(name)).texts) == shown
 
 
 def test_a_sweep_is_not_drawn_over_a_time_that_it_does_not_have():
-    page = Page(html_page(friction_found_in_a_sweep(), FROM))
+    page = Page(made_page('sweep'))
     assert 'time, s' not in page.texts
     assert 'chamber pressure, kPa' in page.texts
 
@@ -99,9 +98,15 @@ def page_of(columns):
     return Page(html_page(diagnosis_of(columns, 'none'), FROM)).text
 
 
-def test_a_page_says_of_a_drive_whether_it_was_measured():
+@pytest.fixture(scope='module')
+def page_of_timed():
+    """Return the text of the page on a record that nothing is the matter with."""
+    return page_of(timed_columns())
+
+
+def test_a_page_says_of_a_drive_whether_it_was_measured(page_of_timed):
     columns = timed_columns()
-    assert 'Driven by the control current; compared' in page_of(columns)
+    assert 'Driven by the control current; compared' in page_of_timed
     supply = np.full(len(columns['time']), 400e3)
     assert 'Driven by the control current and the measured supply pressure; compared' in page_of(
         columns | {'supply_pressure': supply})
@@ -111,9 +116,9 @@ def test_a_page_says_of_a_drive_whether_it_was_measured():
         html_page(replace(nothing_found(), experiment=isolated), FROM)).text
 
 
-def test_a_page_says_where_the_noise_is_from():
+def test_a_page_says_where_the_noise_is_from(page_of_timed):
     columns = timed_columns()
-    assert 'Noise, from the record alone: ' in page_of(columns)
+    assert 'Noise, from the record alone: ' in page_of_timed
     late = columns | {'time': columns['time'] + 0.01 * np.random.default_rng(4).random(
         len(columns['time']))}
     assert ('Noise, from the record, and from what commands late by part of a row would do to the '
@@ -123,14 +128,13 @@ def test_a_page_says_where_the_noise_is_from():
             'declared model: ') in page_of(columns)
 
 
-def test_two_parallel_lines_may_be_lost_motion_as_well():
+def test_two_parallel_lines_may_be_lost_motion_as_well(page_of_timed):
     assert ('Two parallel lines are friction of the stem, or lost motion of the position sensor.'
-            in page_of(timed_columns()))
+            in page_of_timed)
 
 
 def test_a_page_is_the_same_when_made_again():
-    diagnosis = friction_found()
-    assert html_page(diagnosis, FROM) == html_page(diagnosis, FROM)
+    assert html_page(friction_found(), FROM) == made_page('effect')
 
 
 def test_a_name_of_a_file_cannot_break_the_page():

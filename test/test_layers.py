@@ -31,7 +31,8 @@ MAY_IMPORT = {
     'paper': {'model', 'records', 'diagnosis/estimation'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'parameters', 'control'},
-    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
+    'campaign': set(),  # judges the diagnosis as a program, of whatever state
+    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign'},
     'benchmark': {'model', 'records', 'programs'},
 }
 """For each folder the others that it may import, with all that lies in them."""

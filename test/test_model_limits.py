@@ -41,6 +41,10 @@ EFFECTS = {
     'actuator.leak_area': (0.0, 1e-6),
     'actuator.thermal_resistance': (0.01, 100.0),
     'actuator.area_change': (-0.1, 0.2),
+    'actuator.upper_travel_lost': (0.0, 0.4),
+    'actuator.lower_travel_lost': (0.0, 0.4),
+    'actuator.added_damping': (0.0, 1e6),
+    'actuator.spring_loss': (-0.5, 0.8),
     'actuator.coulomb_friction': (0.0, 1500.0),
     'actuator.stiction': (0.0, 800.0),
     'actuator.stribeck_velocity': (1e-4, 1e-2),
@@ -68,10 +72,13 @@ def some(ranges: dict[str, tuple[float, float]]):
     sizes=some(SIZES),
     effects=some(EFFECTS),
     law=strategies.sampled_from(['iso_6358', 'isentropic']),
+    booster=strategies.sampled_from(['three_diaphragms', 'three_diaphragms', 'none']),
+    actuator=strategies.sampled_from(['stem', 'stem', 'vessel']),
     levels=strategies.lists(strategies.floats(0.0, 1.5e-3), min_size=1, max_size=8),
 )
-def test_nothing_leaves_physics(sizes, effects, law, levels):
-    p = positioner({**sizes, **effects, 'booster.orifice_law': law})
+def test_nothing_leaves_physics(sizes, effects, law, booster, actuator, levels):
+    p = positioner({**sizes, **effects, 'booster.orifice_law': law, 'booster.kind': booster,
+                    'actuator.kind': actuator})
     current = np.array(levels)[(np.arange(len(TIME)) * len(levels)) // len(TIME)]
     run = simulate(p, TIME, current)
     for name, column in run.columns.items():

@@ -117,6 +117,8 @@ def test_no_parameter_takes_what_is_out_of_its_range(name):
         ({'actuator.bench_set': [150e3]}, 'list of 2 numbers'),
         ({'actuator.bench_set': 150e3}, 'list of 2 numbers'),
         ({'actuator.added_volume': -0.2e-3}, 'dead_volume plus actuator.added_volume'),
+        ({'actuator.lower_travel_lost': 0.4, 'actuator.upper_travel_lost': 0.6},
+         'lower_travel_lost plus actuator.upper_travel_lost must be less than 1, got 1'),
         ({'booster.critical_pressure_ratio_shift': -0.6}, 'between 0 and 0.99'),
         ({'booster.orifice_law': 'linear'}, 'one of iso_6358, isentropic'),
         ({'discrepancy.knots': [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0, 7.0, 8.0, 9.0, 10.0, 11.0]},

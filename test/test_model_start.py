@@ -64,8 +64,8 @@ HIDING = {
         'sensors.position_backlash': 4e-4, 'booster.intake_preload': 0.016,
         'booster.exhaust_preload': 0.016, 'sensors.position_span_error': 0.05,
         **sensor_term('position_sensor', 'valve_position', -1e-3, 17e-3, -2e-3)},
-    'bias': {'sensors.pressure_bias': 3e3, 'sensors.position_bias': 5e-4,
-             'sensors.position_span_error': 0.05},
+    'bias': {'sensors.pressure_bias': 3e3, 'sensors.pressure_span_error': 0.05,
+             'sensors.position_bias': 5e-4, 'sensors.position_span_error': 0.05},
 }
 
 

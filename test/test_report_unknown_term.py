@@ -6,7 +6,7 @@ from dataclasses import replace
 import json
 
 from made_diagnosis import BENT, DECLARED, refused_found, unknown_found
-from made_report import FROM, Page
+from made_report import FROM, Page, made_page
 import numpy as np
 import pytest
 
@@ -108,7 +108,7 @@ def test_an_unnamed_term_over_a_play_says_how_wide_it_is_and_asks_for_a_loop():
     assert 'place of the booster force in a play' in page.texts
     assert 'nothing is beyond' in page.text
     assert 'Dotted' not in page.text
-    assert 'Dotted' in Page(html_page(unknown_found(), FROM)).text
+    assert 'Dotted' in Page(made_page('unknown')).text
     written = json.loads(json_text(diagnosis, FROM))['unknown']
     assert (written['reach'], written['memory']) == (0.018, None)
     assert written['values'][1:-1] == pytest.approx(np.linspace(0.048, 0.008, 10))
@@ -128,7 +128,7 @@ def test_an_unnamed_term_in_the_lag_says_how_slow_it_is_and_asks_for_steps():
     quick = table._replace(values=(0.0, *(-1.5,) * 10, 0.0))
     quicker = Page(html_page(unknown_over(quick), FROM))
     assert 'At the most the converter is 4.48 times as quick' in quicker.text
-    assert 'times as slow as its time constant' not in Page(html_page(unknown_found(), FROM)).text
+    assert 'times as slow as its time constant' not in Page(made_page('unknown')).text
 
 
 def test_a_term_that_did_not_stand_is_said_and_is_in_no_model(tmp_path):

@@ -47,7 +47,7 @@ def test_a_range_goes_with_the_valve_unless_its_unit_does_not(knob):
     component = knob.parameter.split('.')[0]
     expected = {
         'A': CURRENT, 'Pa': 1.0, 'm': 1.0, 'm^2': AREA, 'm^3': AREA, 'Pa s/kg': 1.0 / AREA,
-        'N/m': AREA, 'N': 1.0 if component == 'booster' else AREA,
+        'N/m': AREA, 'N s/m': AREA, 'N': 1.0 if component == 'booster' else AREA,
     } | dict.fromkeys(WHATEVER_THE_SIZE, 1.0)
     factor = expected[described.unit]
     ours = in_proportion(knob, larger(PAPER))
@@ -65,10 +65,12 @@ def test_pressures_go_with_the_supply_and_lengths_with_the_travel():
     assert proportion(p, 'sensors', 'Pa') == pytest.approx(0.25)
     assert proportion(p, 'sensors', 'm') == pytest.approx(4.0)
     assert proportion(p, 'actuator', 'N') == pytest.approx(0.25)
-    assert proportion(p, 'actuator', 'N/m') == pytest.approx(0.0625)
+    for unit in ('N/m', 'N s/m'):
+        assert proportion(p, 'actuator', unit) == pytest.approx(0.0625)
 
 
-@pytest.mark.parametrize('unit', ['A', 'Pa', 'm^2', 'Pa s/kg', 'm^3', 'm', 'N', 'N/m', 'kg/s'])
+@pytest.mark.parametrize('unit', ['A', 'Pa', 'm^2', 'Pa s/kg', 'm^3', 'm', 'N', 'N/m', 'N s/m',
+                                  'kg/s'])
 def test_a_valve_that_lacks_what_counts_is_sought_in_like_the_paper_s(unit):
     nothing = PAPER._replace(
         ep_converter=PAPER.ep_converter._replace(gain=0.0),
@@ -95,6 +97,10 @@ def test_a_larger_valve_with_a_larger_fault_is_told_as_the_paper_s_is(
         effect, parameter, factor, tmp_path, monkeypatch):
     monkeypatch.setattr(cases, 'FIT_SECONDS', 50.0)
     size = HIDDEN[effect].size('large')
+    row = EFFECTS[effect]
+    monkeypatch.setitem(EFFECTS, effect, replace(row, knobs=tuple(
+        replace(knob, high=2.0 * size) if knob.parameter == parameter else knob
+        for knob in row.knobs)))  # a range within which the larger fault lies in proportion alone
     write_case(Case('hidden', ((effect, size),), seed=11), tmp_path)
     declared = larger(from_values(read_parameter_file(tmp_path / 'hidden.yaml').physical))
     record = read_record(tmp_path / 'hidden_fit.csv')

@@ -10,12 +10,12 @@ From a prepared experiment to a verdict: select, estimate, test, report.
 4. `Diagnosis`: the outcome as data.
 """
 
-from dataclasses import replace
+from collections.abc import Collection
 
 import numpy as np
 
 from booster_ros.diagnosis.data.blocks import (
-    Segment, rows_of, split, split_sweep, training_blocks)
+    rows_of, split, split_sweep, training_blocks)
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
@@ -28,13 +28,13 @@ from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, TraceStep, UnknownTerm, either,
-    errors_of)
-from booster_ros.diagnosis.selection.decide import NOISE, compare, standing
+    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, TraceStep, UnknownTerm,
+    either, errors_of)
+from booster_ros.diagnosis.selection.decide import compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.stepwise import (
     Progress, Selection, comparison, explained, select)
-from booster_ros.diagnosis.selection.task import Model, Task
+from booster_ros.diagnosis.selection.task import PLACES, Model, Task
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import NONE
 from booster_ros.model.parameters import DESCRIPTIONS
@@ -52,17 +52,18 @@ and does not touch them."""
 
 def diagnose(
     experiment: Experiment, declared: PositionerParameters, progress: Progress | None = None,
-    notes: tuple[str, ...] = (), names: tuple[str, ...] | None = None,
+    notes: tuple[str, ...] = (), names: Collection[str] = tuple(EFFECTS),
+    places: frozenset[str] = PLACES,
 ) -> Diagnosis:
     """
     Return what the model lacks, judged by this experiment.
 
-    `progress` is called with a phrase and the share done; `names` restricts the effects that are
-    tried. RecordError where the record is too short, or holds too few values to compare, to be cut
-    into blocks to fit and to judge by.
+    `progress` is called with a phrase and the share done; `names` are the effects
+    to try, `places` those where a term without a name may be. RecordError where the record is too
+    short, or holds too few values to compare, to be cut into blocks to fit and to judge by.
     """
     tell = progress or (lambda phrase, share: None)
-    task = _task(experiment, declared, names)
+    task = _task(experiment, declared, names, places)
     selection = select(task, tell)
     tell('final fit and intervals', 0.9)
     block = training_blocks(task.segments, len(experiment.time))
@@ -73,8 +74,8 @@ def diagnose(
     return result
 
 
-def _task(experiment: Experiment, declared: PositionerParameters, names: tuple[str, ...] | None
-          ) -> Task:
+def _task(experiment: Experiment, declared: PositionerParameters, names: Collection[str],
+          places: frozenset[str]) -> Task:
     drive = next(iter(experiment.pinned.values()), experiment.current) if np.ptp(
         experiment.current) == 0.0 else experiment.current
     segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
@@ -87,12 +88,12 @@ def _task(experiment: Experiment, declared: PositionerParameters, names: tuple[s
                 f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
     tried = applicable(without_test_set(experiment, segments), declared)
     return Task(experiment, segments, declared, free_to_refit(declared, experiment),
-                tuple(name for name in tried if names is None or name in names))
+                tuple(name for name in tried if name in names), places)
 
 
 def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
             ) -> tuple[Model, FinalFit, Runs, Refused | None]:
-    """Return the model that stands in the test set, its final fit, all runs, and what is refused."""
+    """Return the model that stands in the test set, its last fit, all runs, and what is refused."""
     experiment = task.experiment
     test = rows_of(task.segments, 'test', len(experiment.time))
     first = {'declared': experiment.predict(task.declared),
@@ -101,7 +102,7 @@ def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
     def judged(model: Model) -> tuple[FinalFit, Runs, dict[str, ChannelError]]:
         last = before
         if model.effects:
-            last = final_fit(model.problem, model.fit.z, block)
+            last = final_fit(task.on_every_row(model.problem), model.fit.z, block)
         if _unnamed(model):
             last = final_fit(with_gentle_ends(last.problem, last.fit), last.fit.z, block)
         runs = {**first, 'after': experiment.predict(last.fit.parameters, last.fit.initial)}

@@ -98,7 +98,7 @@ def best_fit(
              for free in effect_freedom(EFFECTS[name], declared)]
     base = put(declared, 'booster.opening_gain', model.gain) if model.gain else declared
     problem = Problem(experiment, rows, base, (*own, *added))
-    return fit(problem, tuple(_starts(problem)), _EVALUATIONS)
+    return fit(problem, list(_starts(problem)), _EVALUATIONS)
 
 
 def _starts(problem: Problem) -> Iterator[np.ndarray]:

@@ -1,14 +1,15 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Actuator: diaphragm chamber and spring-opposed stem."""
+"""Actuator: diaphragm, spring-opposed stem and end stops; its gas is in `chamber`."""
 
 from collections.abc import Callable
 import math
 from typing import Annotated, NamedTuple
 
-from .gas import (
-    ATMOSPHERE, GAS_CONSTANT, HEAT_RATIO, ISENTROPIC_CRITICAL_RATIO, ISO_6358, orifice_flow)
 from .quantity import Quantity
+
+
+STEM, VESSEL = 0, 1
 
 
 class Actuator(NamedTuple):
@@ -34,8 +35,11 @@ class Actuator(NamedTuple):
         'N/m', 'stiffness of the end stops', 1e5, 1e11, 'assumed: yields micrometres')] = 5e8
     stop_damping: Annotated[float, Quantity(
         'N s/m', 'damping of the end stops', 0.0, 1e9, 'assumed: no rebound')] = 1e5
+    kind: Annotated[int, Quantity(
+        '-', 'stem, which a spring closes, or vessel: the dead volume is all there is, nothing '
+        'moves, the position is 0', source='paper Fig. 1')] = STEM
     leak_area: Annotated[float, Quantity(
-        'm^2', 'chamber_leak: effective area, chamber to atmosphere', 0.0, 1e-3)] = 0.0
+        'm^2', 'chamber_leak: effective area, chamber to atmosphere', 0.0, 1e-2)] = 0.0
     thermal_resistance: Annotated[float, Quantity(
         'K/W', 'heat_transfer: air to wall, 0 = isothermal (polytropic_index rules)',
         0.0, 1e4)] = 0.0
@@ -43,6 +47,13 @@ class Actuator(NamedTuple):
         'm^3', 'dead_volume_change: volume added to the declared dead volume', -10.0, 10.0)] = 0.0
     area_change: Annotated[float, Quantity(
         '-', 'effective_area_change: relative loss of area over the travel', -0.9, 0.9)] = 0.0
+    upper_travel_lost: Annotated[float, Quantity(
+        '-', 'travel_limit: share of the travel that the upper stop takes away', 0.0, 0.99)] = 0.0
+    lower_travel_lost: Annotated[float, Quantity(
+        '-', 'travel_limit: share of the travel that the lower stop takes away', 0.0, 0.99)] = 0.0
+    added_damping: Annotated[float, Quantity(
+        'N s/m', 'stem_damping: force per stem velocity beside viscous_friction',
+        0.0, 1e12)] = 0.0
     coulomb_friction: Annotated[float, Quantity(
         'N', 'stem_friction: sliding friction', 0.0, 1e6)] = 0.0
     stiction: Annotated[float, Quantity(
@@ -69,6 +80,9 @@ class Actuator(NamedTuple):
         1e-6, 2.0)] = 2e-3
     bench_set_shift: Annotated[float, Quantity(
         'Pa', 'bench_set_shift: moves both ends of the bench set', -1e6, 1e6)] = 0.0
+    spring_loss: Annotated[float, Quantity(
+        '-', 'spring_rate_change: share of the spring force that is missing, preload included, '
+        'below zero one that is too much', -10.0, 0.99)] = 0.0
     spring_bend: Annotated[float, Quantity(
         'N', 'spring_nonlinearity: extra spring force at mid travel, none at both ends',
         -1e6, 1e6)] = 0.0
@@ -96,56 +110,6 @@ def diaphragm_area(act: Actuator, position: float) -> float:
     return act.effective_area * (1.0 - act.area_change * position / act.travel)
 
 
-def chamber_volume(act: Actuator, position: float) -> float:
-    """Return V(x) = V0 + integral of A, m³."""
-    swept = act.effective_area * position * (1.0 - 0.5 * act.area_change * position / act.travel)
-    return act.dead_volume + act.added_volume + swept
-
-
-def leak_flow(act: Actuator, pressure: float, temperature: float, ambient: float,
-              discrepancy: float) -> float:
-    """Return the mass flow chamber → atmosphere past the booster, kg/s (pressure gauge, Pa)."""
-    return discrepancy + orifice_flow(
-        act.leak_area, pressure + ATMOSPHERE, ATMOSPHERE, temperature, ambient,
-        ISENTROPIC_CRITICAL_RATIO, ISO_6358)
-
-
-def isothermal_pressure_rate(
-    act: Actuator, pressure: float, volume: float, swept: float, compliance: float, inflow: float,
-    temperature: float,
-) -> float:
-    """
-    Return dp/dt = n (R T q - P A v) / (V + n P C), Pa/s.
-
-    `pressure` gauge Pa, `swept` the volume A v that the stem opens in m³/s, `compliance` C = dV/dp
-    in m³/Pa, `inflow` the net mass flow in kg/s. n = 1 is isothermal, else polytropic.
-    """
-    index, absolute = act.polytropic_index, pressure + ATMOSPHERE
-    return index * (GAS_CONSTANT * temperature * inflow - absolute * swept) / (
-        volume + index * absolute * compliance)
-
-
-def energy_rates(
-    act: Actuator, pressure: float, gas_temperature: float, volume: float, swept: float,
-    compliance: float, enthalpy_flow: float, inflow: float, wall_temperature: float,
-) -> tuple[float, float]:
-    """
-    Return (dp/dt in Pa/s, dT/dt in K/s) of the energy balance with heat through the wall.
-
-    `swept` and `compliance` as in `isothermal_pressure_rate`; `enthalpy_flow` is the sum of q T of
-    all streams, kg K/s; `inflow` the sum of q, kg/s.
-    """
-    absolute = pressure + ATMOSPHERE
-    heat = (wall_temperature - gas_temperature) / act.thermal_resistance
-    rate = (
-        HEAT_RATIO * (GAS_CONSTANT * enthalpy_flow - absolute * swept)
-        + (HEAT_RATIO - 1.0) * heat
-    ) / (volume + HEAT_RATIO * absolute * compliance)
-    volume_rate = swept + compliance * rate
-    mass = absolute * volume / (GAS_CONSTANT * gas_temperature)
-    return rate, gas_temperature * (rate / absolute + volume_rate / volume - inflow / mass)
-
-
 def spring_force(act: Actuator, position: float) -> float:
     """Return the force that closes the stem, N: preload, spring, seat and process."""
     low = act.bench_set[0] + act.bench_set_shift
@@ -158,6 +122,7 @@ def spring_force(act: Actuator, position: float) -> float:
         bow = inside * (1.0 - inside)
         force += 4.0 * act.spring_bend * bow
         force += 32.0 / 3.0 * act.spring_s_curve * bow * (1.0 - 2.0 * inside)
+    force *= 1.0 - act.spring_loss
     if act.seat_load != 0.0:
         force -= act.seat_load * min(max(1.0 - position / act.seat_depth, 0.0), 1.0)
     if act.flow_force != 0.0:
@@ -165,16 +130,27 @@ def spring_force(act: Actuator, position: float) -> float:
     return force
 
 
+def lower_stop(act: Actuator) -> float:
+    """Return the position of the lower stop, m."""
+    return act.travel * act.lower_travel_lost
+
+
+def upper_stop(act: Actuator) -> float:
+    """Return the position of the upper stop, m."""
+    return act.travel * (1.0 - act.upper_travel_lost)
+
+
 def stop_force(act: Actuator, position: float, velocity: float) -> float:
     """Return the force of the end stops on the stem, N, positive towards open; never pulls."""
-    if position < 0.0:
+    within = position - lower_stop(act)
+    if within < 0.0:
         stiffness = act.stop_stiffness
         if act.seat_stiffness > 0.0:  # seat and stop are springs in series
             stiffness *= act.seat_stiffness / (act.seat_stiffness + stiffness)
-        return max(-stiffness * position - act.stop_damping * velocity, 0.0)
-    if position > act.travel:
-        return min(
-            -act.stop_stiffness * (position - act.travel) - act.stop_damping * velocity, 0.0)
+        return max(-stiffness * within - act.stop_damping * velocity, 0.0)
+    beyond = position - upper_stop(act)
+    if beyond > 0.0:
+        return min(-act.stop_stiffness * beyond - act.stop_damping * velocity, 0.0)
     return 0.0
 
 
@@ -184,7 +160,7 @@ def stem_force(act: Actuator, pressure: float, position: float, velocity: float,
     return (
         diaphragm_area(act, position) * pressure
         - spring_force(act, position)
-        - act.viscous_friction * velocity
+        - (act.viscous_friction + act.added_damping) * velocity
         + stop_force(act, position, velocity)
         + discrepancy
     )
@@ -192,8 +168,9 @@ def stem_force(act: Actuator, pressure: float, position: float, velocity: float,
 
 def has_dry_friction(act: Actuator) -> bool:
     """Tell whether the stem can stick."""
-    return (act.coulomb_friction > 0.0 or act.stiction > 0.0 or act.friction_gradient != 0.0
-            or act.friction_peak > 0.0)
+    return act.kind == STEM and (
+        act.coulomb_friction > 0.0 or act.stiction > 0.0 or act.friction_gradient != 0.0
+        or act.friction_peak > 0.0)
 
 
 def friction_along_travel(act: Actuator, position: float) -> float:
@@ -273,8 +250,10 @@ def balance_position(act: Actuator, pressure: float,
     Return the position, m, at which spring, stops and pressure (gauge, Pa) balance.
 
     `extra` is a further force, N, positive towards open, as a function of the position. Bisection:
-    the balance has no closed form once the spring is bent or the area changes.
+    the balance has no closed form once the spring is bent or the area changes. 0 for a vessel.
     """
+    if act.kind == VESSEL:
+        return 0.0
 
     def net_force(position: float) -> float:
         return stem_force(act, pressure, position, 0.0, extra(position))
@@ -289,7 +268,7 @@ def balance_position(act: Actuator, pressure: float,
         else:
             break
     else:  # no balance: in the stop a changing area adds more than the stop pushes back
-        return 0.0 if net_force(low) < 0.0 else act.travel
+        return lower_stop(act) if net_force(low) < 0.0 else upper_stop(act)
     for _ in range(60):
         middle = 0.5 * (low + high)
         if net_force(middle) > 0.0:

@@ -8,6 +8,9 @@ from .gas import ATMOSPHERE, ISO_6358, orifice_flow
 from .quantity import Quantity
 
 
+THREE_DIAPHRAGMS, NO_BOOSTER = 0, 1
+
+
 class Booster(NamedTuple):
     """Diaphragm areas and the two seats that their force opens."""
 
@@ -26,6 +29,9 @@ class Booster(NamedTuple):
         '-', 'pressure ratio below which flow is choked, b', 0.0, 0.95, 'paper eq. 3')] = 0.5283
     orifice_law: Annotated[int, Quantity(
         '-', 'iso_6358 (ellipse) or isentropic (exact nozzle)', source='paper eq. 7')] = ISO_6358
+    kind: Annotated[int, Quantity(
+        '-', 'three_diaphragms, or none: what the converter gives goes into tube and chamber '
+        'directly, and nothing else here counts', source='paper section II.A')] = THREE_DIAPHRAGMS
     critical_pressure_ratio_shift: Annotated[float, Quantity(
         '-', 'critical_pressure_ratio: what the seats differ from the declared ratio by',
         -0.9, 0.4)] = 0.0

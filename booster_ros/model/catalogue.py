@@ -7,79 +7,11 @@ An effect is a row here and a few parameters in the component where its physics 
 that searches, fits, reports or configures effects reads these rows.
 """
 
-from dataclasses import dataclass
-
+from .actuator import VESSEL
+from .booster import NO_BOOSTER
+from .effect import Effect, Knob
 from .gas import ISO_6358
-
-
-@dataclass(frozen=True)
-class Knob:
-    """
-    One parameter of an effect as a fit turns it.
-
-    `typical` is a size that a record shows well, `low` and `high` bound the search (SI units,
-    `neutral` included where the effect vanishes there). Where `inverse` is n > 0, value**-n is
-    fitted instead of the value: a restriction vanishes as its area grows, its drop as 1/area².
-    """
-
-    parameter: str
-    typical: float
-    low: float
-    high: float
-    neutral: float = 0.0
-    inverse: int = 0
-    shape: bool = False  # a shape parameter means nothing while the size is neutral
-    clocked: bool = False  # it acts through time or speeds, which a sweep without a clock lacks
-    tried: tuple[float, ...] = ()  # values of a shape with each of which sizes are tried
-    frequency: bool = False  # how often the effect repeats itself, Hz
-    phase: bool = False  # where in its period it begins, rad
-    rubs: bool = False  # friction of a sliding stem, without which the other sizes are none
-    departs: str = ''  # what may be off at the start only with this size: a field of `Departure`
-
-    def to_fit(self, value: float) -> float:
-        """Return the fitted variable for a value."""
-        if not self.inverse:
-            return value
-        return 0.0 if value <= 0.0 else value**-self.inverse
-
-    def from_fit(self, variable: float) -> float:
-        """Return the value for a fitted variable; an inverse knob is neutral from `high` on."""
-        if not self.inverse:
-            return variable
-        vanishing = self.high**-self.inverse
-        return self.neutral if variable <= vanishing else variable**(-1.0 / self.inverse)
-
-
-@dataclass(frozen=True)
-class Effect:
-    """
-    A named effect: where it is born, its knobs, what a record needs to show it, what separates it.
-
-    `loosens` names the declared parameters that are known less well where this effect is present,
-    `reading` the channel whose sensor it falsifies. `orifice_law` is the only law of flow through
-    the seats that knows the effect, None where any does.
-    """
-
-    name: str
-    location: str
-    knobs: tuple[Knob, ...]
-    meaning: str
-    needs: str
-    separating_experiment: str
-    source: str
-    loosens: tuple[str, ...] = ()
-    reading: str = ''
-    orifice_law: int | None = None
-
-    @property
-    def needs_clock(self) -> bool:
-        """Whether no size of it acts in a sweep without a clock."""
-        return all(knob.clocked for knob in self.knobs if not knob.shape)
-
-    @property
-    def rubs(self) -> bool:
-        """Whether it is friction of the stem."""
-        return any(knob.rubs for knob in self.knobs)
+from .system import PositionerParameters
 
 
 def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
@@ -102,19 +34,19 @@ _ROWS = (
         'reversals of the current', 'slow triangle with the back pressure recorded: the loop '
         'stands in back pressure over current',
         'play operator: A. Visintin, Differential Models of Hysteresis, 1994',
-        Knob('ep_converter.hysteresis', 2e-6, 0.0, 4e-5, departs='ep_play')),
+        Knob('ep_converter.hysteresis', 2e-6, 0.0, 1e-4, departs='ep_play')),
     _effect(
         'ep_drift', 'ep_converter', 'the back pressure shifts with time (coil heating)',
         'minutes of record', 'repeat one step after an hour: the settled pressure has moved',
         'first-order warming of coil and magnet',
-        Knob('ep_converter.drift', 1e3, -3e4, 3e4, clocked=True),
-        Knob('ep_converter.drift_time_constant', 100.0, 5.0, 2000.0, 100.0, shape=True)),
+        Knob('ep_converter.drift', 1e3, -1e5, 1e5, clocked=True),
+        Knob('ep_converter.drift_time_constant', 100.0, 5.0, 1e4, 100.0, shape=True)),
     _effect(
         'ep_nonlinearity', 'ep_converter', 'the back pressure is not a straight line over current',
         'settled pressures across the range', 'staircase with the back pressure recorded',
         'second and third order of the nozzle-flapper characteristic',
-        Knob('ep_converter.nonlinearity_even', 1e3, -3e4, 3e4),
-        Knob('ep_converter.nonlinearity_odd', 1e3, -3e4, 3e4),
+        Knob('ep_converter.nonlinearity_even', 1e3, -1e5, 1e5),
+        Knob('ep_converter.nonlinearity_odd', 1e3, -1e5, 1e5),
         # gain and zero were adjusted to a straight line, which this curve need not touch at its
         # centre, where its terms are 0
         loosens=('ep_converter.gain', 'ep_converter.offset')),
@@ -122,7 +54,14 @@ _ROWS = (
         'dead_time', 'ep_converter', 'the response starts late', 'steps, sampled faster than it',
         'steps of several sizes: a delay shifts all by the same time',
         'pure delay: E. Richer, Y. Hurmuzlu, J. Dyn. Sys. Meas. Control 122 (2000) 416',
-        Knob('ep_converter.dead_time', 0.05, 0.0, 1.0, clocked=True)),
+        Knob('ep_converter.dead_time', 0.05, 0.0, 5.0, clocked=True)),
+    _effect(
+        'ep_gain_loss', 'ep_converter', 'the back pressure is lower or higher in proportion to the '
+        'current, beyond the tolerance of the gain',
+        'settled pressures at several currents', 'staircase with the back pressure recorded: a '
+        'straight line of another slope through the same zero',
+        'a share of the current; M. Bartys et al., Control Eng. Practice 14 (2006) 577, f12',
+        Knob('ep_converter.gain_loss', 0.1, -2.0, 0.95)),
     _effect(
         'booster_dead_band', 'booster', 'force before intake or exhaust opens',
         'reversals, or the back pressure', 'slow triangle with the stem blocked: the dead band '
@@ -161,7 +100,7 @@ _ROWS = (
         'large steps', 'log the supply pressure during a large step',
         'regulator characteristic, ISO 6953-1',
         Knob('supply.droop', 2e7, 0.0, 1e9),
-        Knob('supply.droop_time_constant', 0.1, 0.01, 3.0, 0.1, shape=True)),
+        Knob('supply.droop_time_constant', 0.1, 0.01, 10.0, 0.1, shape=True)),
     _effect(
         'supply_ripple', 'supply', 'the supply pressure oscillates',
         'rests longer than its period', 'log the supply pressure at rest',
@@ -174,14 +113,14 @@ _ROWS = (
         'tubing_restriction', 'tubing', 'tube and fittings throttle between booster and actuator',
         'steps', 'two pressure taps, at the booster outlet and at the actuator',
         'ISO 6358 orifice and laminar flow behind a volume',
-        Knob('tubing.restriction_area', 2e-6, 2e-7, 3e-5, 0.0, inverse=2),
-        Knob('tubing.outlet_volume', 4e-5, 2e-6, 4e-4, 4e-5, shape=True, tried=(1e-5, 4e-5)),
+        Knob('tubing.restriction_area', 2e-6, 2e-8, 3e-5, 0.0, inverse=2),
+        Knob('tubing.outlet_volume', 4e-5, 2e-6, 2e-3, 4e-5, shape=True, tried=(1e-5, 4e-5)),
         Knob('tubing.laminar_share', 0.0, 0.0, 1.0, 0.0, shape=True, tried=(0.0, 1.0))),
     _effect(
         'chamber_leak', 'chamber', 'air escapes from the actuator', 'settled pressures, steps',
         'valve the actuator off and watch its pressure for minutes',
         'ISO 6358 orifice; M. Bartys et al., Control Eng. Practice 14 (2006) 577, f9, f10',
-        Knob('actuator.leak_area', 5e-8, 0.0, 1e-6)),
+        Knob('actuator.leak_area', 5e-8, 0.0, 1e-4)),
     _effect(
         'exhaust_seat_leak', 'booster', 'the exhaust seat never closes',
         'settled pressures', 'hold with the tube valved off at the actuator: the chamber holds, '
@@ -191,7 +130,7 @@ _ROWS = (
         'heat_transfer', 'chamber', 'the air warms when compressed and cools at the wall',
         'fast fills followed by rests', 'blocked stem, fast fill, then isolate: the pressure '
         'relaxes to a plateau', 'first law for an ideal gas with heat through the wall',
-        Knob('actuator.thermal_resistance', 0.3, 0.0, 20.0, clocked=True, departs='temperature')),
+        Knob('actuator.thermal_resistance', 0.3, 0.0, 500.0, clocked=True, departs='temperature')),
     _effect(
         'dead_volume_change', 'chamber', 'the chamber is larger or smaller than declared',
         'steps below and above the bench set', 'blocked-stem fills with a known volume added',
@@ -231,7 +170,25 @@ _ROWS = (
         'bench_set_shift', 'stem', 'the spring is preloaded differently from declared',
         'moving stem',
         'bench test: the pressures at which the stem leaves 0 and reaches the travel',
-        'bench set, IEC 60534', Knob('actuator.bench_set_shift', 5e3, -8e4, 8e4)),
+        'bench set, IEC 60534', Knob('actuator.bench_set_shift', 5e3, -2e5, 2e5)),
+    _effect(
+        'spring_rate_change', 'stem', 'the spring is softer or stiffer as a whole, its preload '
+        'included', 'positions across the travel',
+        'bench test: both pressures of the bench set are off by the same share',
+        'M. Bartys et al., Control Eng. Practice 14 (2006) 577, f11',
+        Knob('actuator.spring_loss', 0.1, -2.0, 0.95)),
+    _effect(
+        'stem_damping', 'stem', 'a force in proportion to its speed holds the stem back beyond '
+        'what is declared (snubber, damper)', 'steps',
+        'ramps of several speeds: position lags behind pressure in proportion to the speed, and '
+        'not at an end stop', 'viscous damper',
+        Knob('actuator.added_damping', 1e5, 0.0, 2e7, clocked=True)),
+    _effect(
+        'travel_limit', 'stem', 'the stem stops before the ends of its travel',
+        'strokes to both ends', 'full strokes: the pressure goes on, the position does not',
+        'end stop at another place; M. Bartys et al., Control Eng. Practice 14 (2006) 577, f1',
+        Knob('actuator.upper_travel_lost', 0.1, 0.0, 0.95),
+        Knob('actuator.lower_travel_lost', 0.1, 0.0, 0.95)),
     _effect(
         'seat_load', 'stem', 'the seat yields to, holds or pushes the nearly closed stem',
         'closing and opening', 'valve signature near the seat',
@@ -254,20 +211,22 @@ _ROWS = (
     _effect(
         'position_sensor_lag', 'sensor', 'the position reading comes late', 'steps',
         'a second position sensor on the stem', 'first-order sensor',
-        Knob('sensors.position_lag', 0.1, 0.0, 5.0, clocked=True), reading='valve_position'),
+        Knob('sensors.position_lag', 0.1, 0.0, 20.0, clocked=True), reading='valve_position'),
     _effect(
         'position_sensor_bias', 'sensor', 'the position reading is off in zero or span',
         'rest at an end stop', 'both end stops', 'zero and span error, IEC 61298-2',
         Knob('sensors.position_bias', 1e-4, -5e-3, 5e-3),
-        Knob('sensors.position_span_error', 0.02, -0.3, 0.3), reading='valve_position'),
+        Knob('sensors.position_span_error', 0.02, -0.5, 0.5), reading='valve_position'),
     _effect(
         'pressure_sensor_lag', 'sensor', 'the pressure reading comes late', 'steps',
         'a second pressure sensor at the chamber', 'first-order sensor',
-        Knob('sensors.pressure_lag', 0.1, 0.0, 5.0, clocked=True), reading='chamber_pressure'),
+        Knob('sensors.pressure_lag', 0.1, 0.0, 20.0, clocked=True), reading='chamber_pressure'),
     _effect(
-        'pressure_sensor_bias', 'sensor', 'the pressure reading is off', 'vented chamber',
-        'vent the chamber: the reading must be zero', 'zero error, IEC 61298-2',
-        Knob('sensors.pressure_bias', 3e3, -6e4, 6e4), reading='chamber_pressure'),
+        'pressure_sensor_bias', 'sensor', 'the pressure reading is off in zero or span',
+        'vented chamber, settled pressures', 'vent the chamber: the reading must be zero; then '
+        'fill it to a pressure that is known', 'zero and span error, IEC 61298-2',
+        Knob('sensors.pressure_bias', 3e3, -2e5, 2e5),
+        Knob('sensors.pressure_span_error', 0.02, -0.5, 0.5), reading='chamber_pressure'),
 )
 
 EFFECTS: dict[str, Effect] = {row.name: row for row in _ROWS}
@@ -288,3 +247,15 @@ def is_of_effect(parameter: str) -> bool:
     effects have their defaults.
     """
     return parameter in _OF_EFFECTS or parameter.startswith('discrepancy.')
+
+
+def has_part(p: PositionerParameters, effect: Effect) -> bool:
+    """Tell whether a rig has what an effect is in: the booster, or the stem and its sensor."""
+    if effect.location == 'booster':
+        return p.booster.kind != NO_BOOSTER
+    if effect.location == 'stem' or effect.reading == 'valve_position':
+        return p.actuator.kind != VESSEL
+    return True
+
+
+__all__ = ['EFFECTS', 'Effect', 'Knob', 'has_part', 'is_of_effect']

@@ -20,9 +20,9 @@ import tempfile
 import types
 from typing import Any
 
-_MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
-            'discrepancy', 'state', 'system', 'sticking', 'memory', 'outputs', 'workspace',
-            'rodas3', 'dormand_prince', 'ahead', 'solver', 'kernel')
+_MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'chamber', 'sensors',
+            'discrepancy', 'state', 'present_term', 'system', 'sticking', 'memory', 'outputs',
+            'workspace', 'rodas3', 'dormand_prince', 'ahead', 'solver', 'kernel')
 # Parameters are a hundred numbers, and a call hands them over one by one: equations that are
 # inlined into the steps take half the time. If rodas3 were inlined too, it would be compiled at
 # each of its many calls, which takes twice as long and gains nothing.

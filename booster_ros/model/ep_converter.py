@@ -19,7 +19,7 @@ class EpConverter(NamedTuple):
     time_constant: Annotated[float, Quantity(
         's', 'lag of the back pressure', 1e-4, 60.0, 'fitted to paper Table III')] = 0.034
     hysteresis: Annotated[float, Quantity(
-        'A', 'ep_hysteresis: width of the current loop (magnetic, flapper)', 0.0, 1e-3)] = 0.0
+        'A', 'ep_hysteresis: width of the current loop (magnetic, flapper)', 0.0, 1e-2)] = 0.0
     drift: Annotated[float, Quantity(
         'Pa', 'ep_drift: shift of the back pressure that time brings in the end', -1e6, 1e6)] = 0.0
     drift_time_constant: Annotated[float, Quantity(
@@ -37,7 +37,10 @@ class EpConverter(NamedTuple):
         'Pa', 'ep_nonlinearity: back pressure span that the terms are given for', 1.0, 1e7,
         'the back pressures that move the stem')] = 30e3
     dead_time: Annotated[float, Quantity(
-        's', 'dead_time: delay of the control current', 0.0, 2.0)] = 0.0
+        's', 'dead_time: delay of the control current', 0.0, 10.0)] = 0.0
+    gain_loss: Annotated[float, Quantity(
+        '-', 'ep_gain_loss: share of the control current that does nothing, below zero one that '
+        'does too much', -10.0, 1.0)] = 0.0
 
 
 def play(previous: float, target: float, width: float) -> float:
@@ -54,7 +57,7 @@ def settled_back_pressure(
     `supply` limits it (Pa gauge), `time` (s) is what drift counts from, `discrepancy` (Pa) is
     what a record showed beyond these equations.
     """
-    linear = ep.offset + ep.gain * current
+    linear = ep.offset + ep.gain * current * (1.0 - ep.gain_loss)
     if ep.nonlinearity_even != 0.0 or ep.nonlinearity_odd != 0.0:
         u = (linear - ep.nonlinearity_centre) / ep.nonlinearity_span
         linear += ep.nonlinearity_even * u * u + ep.nonlinearity_odd * u * u * u

@@ -9,7 +9,8 @@ from .memory import LAGGED_POSITION, LAGGED_PRESSURE
 from .sensors import position_reading, pressure_reading
 from .state import BACK, CHAMBER, POSITION, SUPPLY, TEMPERATURE, VELOCITY
 from .system import (
-    PositionerParameters, booster_force, discrepancy_at, outlet_pressure, seat_flows)
+    PositionerParameters, booster_force, direct_flow, discrepancy_at, is_direct, outlet_pressure,
+    seat_flows)
 
 
 class Outputs(NamedTuple):
@@ -60,6 +61,8 @@ def observe(
     """
     force = booster_force(p, time, seen, y)
     opened_in, opened_out, into, out = seat_flows(p, force, y, y[TEMPERATURE])
+    if is_direct(p):
+        into = direct_flow(p, time, seen, y)
     pressure, position = readings(p, time, seen, y, memory, force)
     return Outputs(
         time, current, y[BACK], y[SUPPLY], force, opened_in, opened_out, into - out,

@@ -18,6 +18,8 @@ Value = float | str | tuple[float, ...]
 
 _CHOICES = {
     'booster.orifice_law': ('iso_6358', 'isentropic'),
+    'booster.kind': ('three_diaphragms', 'none'),
+    'actuator.kind': ('stem', 'vessel'),
     'discrepancy.location': discrepancy.LOCATIONS,
     'discrepancy.variable': discrepancy.VARIABLES,
 }
@@ -173,6 +175,9 @@ def check_consistent(p: PositionerParameters) -> None:
               f'({s.pressure:g} Pa)'),
         _Rule(a.bench_set[1] > a.bench_set[0],
               f'actuator.bench_set must rise, got [{a.bench_set[0]:g}, {a.bench_set[1]:g}] Pa'),
+        _Rule(a.lower_travel_lost + a.upper_travel_lost < 1.0,
+              'actuator.lower_travel_lost plus actuator.upper_travel_lost must be less than 1, '
+              f'got {a.lower_travel_lost + a.upper_travel_lost:g}'),
         _Rule(0.0 <= ratio < 0.99,
               'booster.critical_pressure_ratio plus its shift must be between 0 and 0.99, '
               f'got {ratio:g}'),

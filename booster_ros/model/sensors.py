@@ -13,6 +13,8 @@ class Sensors(NamedTuple):
 
     pressure_bias: Annotated[float, Quantity(
         'Pa', 'pressure_sensor_bias: added to the chamber pressure', -1e6, 1e6)] = 0.0
+    pressure_span_error: Annotated[float, Quantity(
+        '-', 'pressure_sensor_bias: relative error of the pressure span', -0.9, 10.0)] = 0.0
     pressure_lag: Annotated[float, Quantity(
         's', 'pressure_sensor_lag: time constant', 0.0, 60.0)] = 0.0
     position_bias: Annotated[float, Quantity(
@@ -40,12 +42,12 @@ def lagged(value: float, before: float, after: float, time_constant: float, step
 
 def pressure_reading(sensors: Sensors, pressure: float) -> float:
     """Return the reading, Pa gauge, of a pressure that has passed the lag."""
-    return pressure + sensors.pressure_bias
+    return pressure * (1.0 + sensors.pressure_span_error) + sensors.pressure_bias
 
 
 def pressure_behind(sensors: Sensors, reading: float) -> float:
     """Return the pressure, Pa gauge, behind a reading: the inverse of `pressure_reading`."""
-    return reading - sensors.pressure_bias
+    return (reading - sensors.pressure_bias) / (1.0 + sensors.pressure_span_error)
 
 
 def position_behind(sensors: Sensors, reading: float) -> float:

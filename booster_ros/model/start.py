@@ -10,7 +10,9 @@ be.
 
 from collections.abc import Callable, Mapping
 
-from .actuator import balance_position, breakaway_friction, has_dry_friction, stem_force
+from .actuator import (
+    balance_position, breakaway_friction, has_dry_friction, lower_stop, stem_force, upper_stop)
+from .booster import NO_BOOSTER
 from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
 from .memory import Departure, start_current
 from .sensors import position_behind, pressure_behind
@@ -64,9 +66,9 @@ def rests_on_a_stop(p: PositionerParameters, pressure: float, read: float) -> bo
     """
     act = p.actuator
     balance = balance_position(act, pressure)
-    if 0.0 <= balance <= act.travel or abs(balance - read) > UNSURE * act.travel:
+    if lower_stop(act) <= balance <= upper_stop(act) or abs(balance - read) > UNSURE * act.travel:
         return False
-    edge = 0.0 if balance < 0.0 else act.travel
+    edge = lower_stop(act) if balance < lower_stop(act) else upper_stop(act)
     return abs(stem_force(act, pressure, edge, 0.0, 0.0)) > breakaway_friction(act, edge)
 
 
@@ -137,7 +139,7 @@ def _held_position(
         rests = min(max(balance, read - near), read + near)
         held = breaks_away(read) and not breaks_away(rests)
         return _nearest(breaks_away, read, rests) if held else read
-    at_stop = not 0.0 < balance < p.actuator.travel
+    at_stop = not lower_stop(p.actuator) < balance < upper_stop(p.actuator)
     return balance if at_stop and abs(balance - read) <= near else read
 
 
@@ -145,8 +147,9 @@ def _filling(p: PositionerParameters, time: float, current: float, state: Mappin
              ) -> Callable[[float], float]:
     """Return the chamber's rate of filling, Pa/s, by the place in the E/P converter's play."""
     # a tube and heat do nothing to a chamber at rest
-    still = p._replace(tubing=p.tubing._replace(restriction_area=0.0),
-                       actuator=p.actuator._replace(thermal_resistance=0.0))
+    still = p._replace(actuator=p.actuator._replace(thermal_resistance=0.0))
+    if p.booster.kind != NO_BOOSTER:
+        still = still._replace(tubing=p.tubing._replace(restriction_area=0.0))
 
     def filling(place: float) -> float:
         seen = start_current(p, current, Departure(ep_play=place))

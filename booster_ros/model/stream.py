@@ -20,7 +20,7 @@ from .state import (
     BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY, TEMPERATURE)
 from .sticking import held_force
 from .system import (
-    PositionerParameters, discrepancy_at, hold_inactive_states, is_active, rest_in_play,
+    PositionerParameters, discrepancy_at, hold_inactive_states, is_active, is_direct, rest_in_play,
     settled_past, undrawn_supply)
 
 LONGEST_INTERVAL = 0.02
@@ -47,6 +47,8 @@ def settled_state(
     y[SUPPLY] = undrawn_supply(p, time)
     y[CHAMBER] = chamber_pressure
     y[OUTLET] = chamber_pressure
+    if is_direct(p):
+        y[BACK] = chamber_pressure  # until it has been found
     y[TEMPERATURE] = p.supply.temperature
     y[POSITION] = (
         balance_position(p.actuator, chamber_pressure) if valve_position is None
@@ -57,6 +59,10 @@ def settled_state(
     if p.discrepancy.location == EP_CONVERTER:
         extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
     y[BACK] = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
+    if is_direct(p):
+        y[CHAMBER] = y[OUTLET] = y[BACK]
+        if valve_position is None:
+            y[POSITION] = balance_position(p.actuator, y[CHAMBER])
     if valve_position is None and p.discrepancy.location == STEM:
         _balance_with_term(p, time, current, y)
     rest_in_play(p, y)
@@ -81,7 +87,19 @@ def _balance_with_term(p: PositionerParameters, time: float, current: float, y) 
 
 def active_states(p: PositionerParameters, pinned: tuple[int, ...] = ()) -> list[int]:
     """Return the states to integrate under these parameters, in rising order."""
-    return [s for s in range(STATES) if is_active(p, s) and s not in pinned]
+    # what has the pressure of a converter whose pressure is given follows no equation either
+    given = (*pinned, CHAMBER) if is_direct(p) and BACK in pinned else pinned
+    return [s for s in range(STATES) if is_active(p, s) and s not in given]
+
+
+def _share_pressure(p: PositionerParameters, given: Mapping[str, float], y) -> None:
+    """Give converter and chamber, between which nothing is, the one pressure that is given."""
+    for name in ('back_pressure', 'chamber_pressure'):
+        if name in given:
+            y[BACK] = y[CHAMBER] = given[name]
+            if 'valve_position' not in given:
+                y[POSITION] = balance_position(p.actuator, given[name])
+            return
 
 
 class Stream:
@@ -119,11 +137,14 @@ class Stream:
             given.get('chamber_pressure', 0.0), given.get('valve_position'), time)
         for name, value in given.items():
             y[STATE_NAMES.index(name)] = value
+        if is_direct(parameters):
+            _share_pressure(parameters, given, y)
         y[BACK] += departure.back_pressure
         rest_in_play(parameters, y)
         y[TEMPERATURE] += departure.temperature
         y[PAST] += departure.past
-        hold_inactive_states(parameters, time, y, ())
+        hold_inactive_states(
+            parameters, time, y, tuple(STATE_NAMES.index(name) for name in pinned))
         memory = [0.0] * MEMORIES
         start_memory(parameters, control_current, y, 1e-3, memory, departure)
         self._parameters = parameters

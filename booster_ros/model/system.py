@@ -6,27 +6,22 @@ from typing import NamedTuple
 
 from . import discrepancy as term
 from .actuator import (
-    Actuator, chamber_volume, diaphragm_area, energy_rates, has_dry_friction, is_rigid,
-    isothermal_pressure_rate, leak_flow, presliding_force_rate, presliding_friction,
-    sliding_friction, stem_acceleration, stem_force)
+    VESSEL, Actuator, diaphragm_area, has_dry_friction, is_rigid, presliding_force_rate,
+    presliding_friction, sliding_friction, stem_acceleration, stem_force)
 from .booster import (
-    Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
+    NO_BOOSTER, Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
+from .chamber import (
+    chamber_volume, energy_rates, isothermal_filling, isothermal_pressure_rate, leak_flow)
 from .discrepancy import (
-    Discrepancy, behind_play, forgets, has_play, interpolate, past_at_rest, remembers, slope)
+    Discrepancy, forgets, has_play, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
 from .gas import ATMOSPHERE, enthalpy_flow
+from .present_term import PAST_UNIT, discrepancy_at, settled_past
 from .sensors import Sensors
 from .state import (
     BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, SUPPLY, TEMPERATURE, VELOCITY)
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
-
-# For each variable of a term: the state that it is, or whose change it is, -1 where there is none;
-# and the unit in which its state `past` is of order one, 0 where it has no past.
-STATE_OF_VARIABLE = (
-    -1, -1, BACK, SUPPLY, CHAMBER, POSITION, VELOCITY, -1, -1, -1, CHAMBER, POSITION, -1)
-
-PAST_UNIT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, 1e5, 1e-2, 0.1)
 
 SMALLEST_VOLUME = 0.05
 """Least volume of the chamber, as a share of the dead volume: the space between solid parts."""
@@ -47,18 +42,25 @@ class PositionerParameters(NamedTuple):
     discrepancy: Discrepancy = Discrepancy()
 
 
+def is_direct(p: PositionerParameters) -> bool:
+    """Tell whether nothing is between converter and chamber, so that they have one pressure."""
+    return p.booster.kind == NO_BOOSTER and p.tubing.restriction_area <= 0.0
+
+
 def is_active(p: PositionerParameters, state: int) -> bool:
     """Tell whether a state has dynamics of its own under these parameters."""
     if state == SUPPLY:
         return p.supply.droop > 0.0
     if state == OUTLET:
-        return p.tubing.restriction_area > 0.0
+        return p.tubing.restriction_area > 0.0 and p.booster.kind != NO_BOOSTER
     if state == TEMPERATURE:
-        return p.actuator.thermal_resistance > 0.0
+        return p.actuator.thermal_resistance > 0.0 and not is_direct(p)
     if state == PAST:
         return forgets(p.discrepancy)
     if state == PRESLIDING:
         return has_dry_friction(p.actuator) and not is_rigid(p.actuator)
+    if state in (POSITION, VELOCITY):
+        return p.actuator.kind != VESSEL
     return True
 
 
@@ -66,10 +68,14 @@ def hold_inactive_states(p: PositionerParameters, time: float, y, pinned) -> Non
     """Set states that have no dynamics of their own, and are not pinned, to what they follow."""
     if p.supply.droop <= 0.0 and SUPPLY not in pinned:
         y[SUPPLY] = undrawn_supply(p, time)
-    if p.tubing.restriction_area <= 0.0:
-        y[OUTLET] = y[CHAMBER]
-    if p.actuator.thermal_resistance <= 0.0:
+    if is_direct(p) and CHAMBER not in pinned:
+        y[CHAMBER] = y[BACK]
+    if not is_active(p, OUTLET):
+        y[OUTLET] = outlet_pressure(p, y)
+    if not is_active(p, TEMPERATURE):
         y[TEMPERATURE] = p.supply.temperature
+    if p.actuator.kind == VESSEL:
+        y[POSITION] = y[VELOCITY] = 0.0
     if not remembers(p.discrepancy):
         y[PAST] = 0.0
     if not is_active(p, PRESLIDING):
@@ -82,36 +88,6 @@ def undrawn_supply(p: PositionerParameters, time: float) -> float:
     if p.discrepancy.location == term.SUPPLY and p.discrepancy.variable == term.TIME:
         pressure += interpolate(p.discrepancy, time)
     return pressure
-
-
-def present(table: Discrepancy, time: float, current: float, y, force: float) -> float:
-    """Return the present value, SI, of a term's variable, or of the one whose change that is."""
-    if table.variable == term.TIME:
-        return time
-    if table.variable == term.BOOSTER_FORCE:
-        return force
-    state = STATE_OF_VARIABLE[table.variable]
-    return current if state < 0 else y[state]
-
-
-def settled_past(table: Discrepancy, current: float, y) -> float:
-    """Return the state `past` of a term whose variable has long been what it is now."""
-    if not forgets(table):
-        return 0.0
-    return present(table, 0.0, current, y, 0.0) / PAST_UNIT[table.variable]
-
-
-def discrepancy_at(table: Discrepancy, time: float, current: float, y, force: float) -> float:
-    """
-    Return the tabulated term, in the unit of the component that it is in (see discrepancy).
-
-    Callers ask first whether the term is in their component: handing the table over costs more
-    than the question, and nearly always there is no term.
-    """
-    past = PAST_UNIT[table.variable] * y[PAST]
-    if table.variable == term.FORCE_PLAY:
-        return behind_play(table, past, force)
-    return interpolate(table, present(table, time, current, y, force) - past)
 
 
 def rest_in_play(p: PositionerParameters, y) -> None:
@@ -130,7 +106,9 @@ def follow_play(p: PositionerParameters, y) -> None:
 
 
 def outlet_pressure(p: PositionerParameters, y) -> float:
-    """Return the gauge pressure at the booster's outlet, Pa: that of the chamber without a tube."""
+    """Return the gauge pressure where the tube begins, Pa: that of the chamber without a tube."""
+    if p.booster.kind == NO_BOOSTER:
+        return y[BACK]
     return y[OUTLET] if p.tubing.restriction_area > 0.0 else y[CHAMBER]
 
 
@@ -140,7 +118,9 @@ def undisturbed_force(p: PositionerParameters, y) -> float:
 
 
 def booster_force(p: PositionerParameters, time: float, current: float, y) -> float:
-    """Return the force that opens the booster's seats, N."""
+    """Return the force that opens the booster's seats, N; 0 without a booster."""
+    if p.booster.kind == NO_BOOSTER:
+        return 0.0
     force = undisturbed_force(p, y)
     if p.discrepancy.location == term.BOOSTER:
         force += discrepancy_at(p.discrepancy, time, current, y, force)
@@ -154,8 +134,12 @@ def seat_flows(p: PositionerParameters, force: float, y, gas_temperature: float
 
     The open areas of intake and exhaust, m², and the mass flows through them, kg/s: from the supply
     to the outlet, and from there to the atmosphere. `gas_temperature` is that of the chamber, K.
+    Without a booster the converter gives or takes what flows through the tube.
     """
     ambient, outlet = p.supply.temperature, outlet_pressure(p, y)
+    if p.booster.kind == NO_BOOSTER:
+        flow = tube_flow(p.tubing, outlet, y[CHAMBER], ambient, gas_temperature)
+        return 0.0, 0.0, max(flow, 0.0), max(-flow, 0.0)
     # the small volume before a tube is isothermal
     temperature = ambient if p.tubing.restriction_area > 0.0 else gas_temperature
     opened_in = intake_area(p.booster, force, y[SUPPLY], outlet)
@@ -195,6 +179,28 @@ def net_stem_force(p: PositionerParameters, time: float, current: float, y) -> f
     return stem_force(p.actuator, y[CHAMBER], y[POSITION], y[VELOCITY], extra)
 
 
+def converter_rate(p: PositionerParameters, time: float, current: float, y) -> float:
+    """Return d(back pressure)/dt, Pa/s, at the control current (A) that the converter sees."""
+    extra = 0.0
+    if p.discrepancy.location == term.EP_CONVERTER:
+        extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
+    settled = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
+    extra = 0.0
+    if p.discrepancy.location == term.EP_CONVERTER_LAG:
+        extra = interpolate(p.discrepancy, settled - y[BACK])
+    return back_pressure_rate(p.ep_converter, y[BACK], settled, extra)
+
+
+def direct_flow(p: PositionerParameters, time: float, current: float, y) -> float:
+    """Return the mass flow converter → chamber, kg/s, where both have one pressure."""
+    chamber, ambient = y[CHAMBER], p.supply.temperature
+    volume, area, compliance = chamber_space(p, chamber, y[POSITION])
+    filling = isothermal_filling(
+        p.actuator, chamber, volume, area * y[VELOCITY], compliance,
+        converter_rate(p, time, current, y), ambient)
+    return filling + leak_flow(p.actuator, chamber, ambient, ambient, 0.0)
+
+
 def derivatives(
     p: PositionerParameters, time: float, current: float, direction: float, y, rates
 ) -> None:
@@ -208,17 +214,12 @@ def derivatives(
     chamber = y[CHAMBER]
     gas_temperature = y[TEMPERATURE] if p.actuator.thermal_resistance > 0.0 else ambient
 
-    extra = 0.0
-    if p.discrepancy.location == term.EP_CONVERTER:
-        extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
-    settled = settled_back_pressure(p.ep_converter, current, y[SUPPLY], time, extra)
-    extra = 0.0
-    if p.discrepancy.location == term.EP_CONVERTER_LAG:
-        extra = interpolate(p.discrepancy, settled - y[BACK])
-    rates[BACK] = back_pressure_rate(p.ep_converter, y[BACK], settled, extra)
+    rates[BACK] = converter_rate(p, time, current, y)
 
     force = booster_force(p, time, current, y)
     _, _, into, out = seat_flows(p, force, y, gas_temperature)
+    if is_direct(p):
+        into = max(direct_flow(p, time, current, y), 0.0)
 
     rates[SUPPLY] = 0.0
     if p.supply.droop > 0.0:
@@ -227,7 +228,7 @@ def derivatives(
 
     rates[OUTLET] = 0.0
     delivered = into - out
-    restricted = p.tubing.restriction_area > 0.0
+    restricted = is_active(p, OUTLET)
     if restricted:
         delivered = tube_flow(p.tubing, y[OUTLET], chamber, ambient, gas_temperature)
         rates[OUTLET] = outlet_pressure_rate(p.tubing, into - out, delivered, ambient)
@@ -239,7 +240,9 @@ def derivatives(
     volume, area, compliance = chamber_space(p, chamber, y[POSITION])
     swept = area * y[VELOCITY]
     rates[TEMPERATURE] = 0.0
-    if p.actuator.thermal_resistance > 0.0:
+    if is_direct(p):
+        rates[CHAMBER] = rates[BACK]
+    elif p.actuator.thermal_resistance > 0.0:
         # without a tube both seats open into the chamber, and one may leak while the other flows
         enthalpy = enthalpy_flow(delivered, ambient, gas_temperature) if restricted else (
             enthalpy_flow(into, ambient, gas_temperature)

@@ -7,6 +7,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+import difflib
+from functools import partial
 from io import TextIOWrapper
 import os
 from pathlib import Path
@@ -22,7 +24,9 @@ from ..diagnosis.prepare.plausibility import check_declared
 from ..diagnosis.prepare.preparation import prepare
 from ..diagnosis.prepare.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
+from ..diagnosis.selection.task import PLACES
 from ..diagnosis.judging.validation import validated
+from ..model.catalogue import EFFECTS
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
@@ -73,6 +77,8 @@ def main(args: Sequence[str] | None = None) -> int:
 def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagnosis:
     _check_paths(options)
     _check_options(options)
+    names, places = _hypotheses(options)
+    judge = partial(diagnose, names=names, places=places)
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
     check_declared(declared, str(options.params))
@@ -82,17 +88,17 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
         announce_compilation()
         with _progress(check) as tell:
             try:
-                diagnosis = diagnose(experiment, declared, tell, notes)
+                diagnosis = judge(experiment, declared, tell, notes=notes)
             except RecordError as error:
                 raise RecordError(f'{options.record}: {error}') from None
-            diagnosis = since_change(diagnosis, record, tell)
+            diagnosis = since_change(diagnosis, record, tell, judge)
             for _, other, more in others:
                 diagnosis = validated(diagnosis, other, more)
         if options.calibrate:
             with _progress(check) as tell:
                 diagnosis = calibrated(
                     diagnosis, options.calibrate,
-                    SEED if options.seed is None else options.seed, tell)
+                    SEED if options.seed is None else options.seed, tell, judge)
         _write(folder, diagnosis, Provenance(*map(
             _legible, (options.record, options.params, options.validation or ''))), given.node)
         check()
@@ -127,6 +133,10 @@ def _parser() -> argparse.ArgumentParser:
     add('--calibrate', type=_count, metavar='N',
         help='also count how often something is added to N simulated records in which nothing is '
         'missing; each takes as long as a diagnosis')
+    among = parser.add_mutually_exclusive_group().add_argument
+    among('--only', nargs='+', default=[], metavar='EFFECT',
+          help='try these effects of the catalogue alone, and no term without a name')
+    among('--without', nargs='+', default=[], metavar='EFFECT', help='do not try these effects')
     add('--seed', type=_seed, metavar='S',
         help=f'of the noise in those records (default: {SEED})')
     return parser
@@ -251,6 +261,25 @@ def _check_options(options: argparse.Namespace) -> None:
     for option, wanted in asked.items():
         if wanted and not any(map(is_bag, _given(options))):
             raise RecordError(_useless(option, 'a bag', options))
+
+
+def _hypotheses(options: argparse.Namespace) -> tuple[tuple[str, ...], frozenset[str]]:
+    """
+    Return the effects to try, and the places where a term without a name may be.
+
+    RecordError for an effect that is not in the catalogue.
+    """
+    for option in ('only', 'without'):
+        for name in getattr(options, option):
+            if name not in EFFECTS:
+                near = difflib.get_close_matches(name, list(EFFECTS), 1, 0.5)
+                hint = f'; did you mean {near[0]}?' if near else ''
+                raise RecordError(
+                    f'--{option}: there is no effect {name!r} in the catalogue{hint} '
+                    f'(it has {", ".join(EFFECTS)})')
+    if options.only:
+        return tuple(options.only), frozenset()
+    return tuple(name for name in EFFECTS if name not in options.without), PLACES
 
 
 def _legible(path: Path | str) -> str:

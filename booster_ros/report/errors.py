@@ -236,7 +236,7 @@ def _where(diagnosis: Diagnosis) -> str:
 def _how_few(diagnosis: Diagnosis) -> str:
     """Return how few values the locked part has, if they are few; in a sweep each row is much."""
     experiment = diagnosis.experiment
-    locked = rows_of(list(diagnosis.segments), ('test',), len(experiment.time))
+    locked = rows_of(list(diagnosis.segments), 'test', len(experiment.time))
     values = max(int(np.isfinite(measured[locked]).sum())
                  for measured in experiment.measured.values())
     if experiment.quasi_static or values >= FEW:

@@ -30,7 +30,8 @@ from booster_ros.report.wording import (
     SCALING, verdict_sentences, verdict_title, with_what_was_added)
 
 _ROLES = {
-    'train': 'training: fitted, and chose between models', 'test': 'test set: opened once, at the end'}
+    'train': 'training: fitted, and chose between models',
+    'test': 'test set: opened once, at the end'}
 
 _STAGE_MEANINGS = {
     'declared': 'As declared: the model with the parameters that were given.',
@@ -218,8 +219,8 @@ def _evidence(effect: FoundEffect) -> str:
             f'is {number(facts["misfit_without"])} times that of the noise, with it '
             f'{number(facts["misfit_with"])} times.')
     if 'log_evidence' in facts:
-        text += (f' The logarithm of the evidence rises by {number(facts["log_evidence"])}; a block '
-                 'that is left out is predicted better by '
+        text += (f' The logarithm of the evidence rises by {number(facts["log_evidence"])}; a '
+                 'block that is left out is predicted better by '
                  f'{number(facts["elpd"])} ± {number(facts["elpd_standard_error"])} (log density, '
                  'all blocks together).')
     return paragraph(text)

@@ -51,7 +51,7 @@ class View:
     @property
     def locked(self) -> Array:
         """Which rows were held out, shape (n,)."""
-        return rows_of(list(self.diagnosis.segments), ('test',), len(self.time))
+        return rows_of(list(self.diagnosis.segments), 'test', len(self.time))
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -59,11 +59,20 @@ def every(effects: Iterable[str], size: str, seed: int, kind: str, spread: str) 
 
 def unseen(seed: int, spread: str) -> list[Case]:
     """Return 31 cases: 15 catalogued effects, 6 others, 5 pairs and 5 clean plants, shuffled."""
+    return drawn(seed, spread, catalogued=15, uncatalogued=6, pairs=5, clean=5)
+
+
+def drawn(
+    seed: int, spread: str, *, catalogued: int, uncatalogued: int, pairs: int, clean: int
+) -> list[Case]:
+    """Return so many cases of each kind, no effect or pair twice, shuffled."""
     generator = np.random.default_rng([seed, 99])
-    contents = [(str(key),) for key in generator.choice(list(CATALOGUED), 15, replace=False)]
-    contents += [(str(key),) for key in generator.choice(list(UNCATALOGUED), 6, replace=False)]
-    contents += [PAIRS[i] for i in generator.choice(len(PAIRS), 5, replace=False)]
-    contents += [()] * 5
+    contents = [
+        (str(key),) for key in generator.choice(list(CATALOGUED), catalogued, replace=False)]
+    contents += [
+        (str(key),) for key in generator.choice(list(UNCATALOGUED), uncatalogued, replace=False)]
+    contents += [PAIRS[i] for i in generator.choice(len(PAIRS), pairs, replace=False)]
+    contents += [()] * clean
     order = generator.permutation(len(contents))
     return list(_drawn([contents[i] for i in order], generator, seed, spread))
 

@@ -4,6 +4,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 import json
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from .declared import declared_yaml, drawn_valve
 from .effects import EFFECTS, put_in
 from .plant import SAMPLE_TIME, Valve, run
 from .sensors import POSITION_NOISE, PRESSURE_NOISE, Sensors, recorded, sensed
+from .truth import true_parameters
 
 FIT_SECONDS, VALIDATION_SECONDS = 150.0, 90.0
 WARM_UP_SECONDS = 40.0
@@ -24,7 +26,7 @@ class Case:
     """
     What is put into one record; effects are (key of EFFECTS, signed size in SI units).
 
-    `noise` multiplies the noise of both sensors.
+    `noise` multiplies the noise of both sensors, `resolution` the steps in which they are recorded.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Case:
     spread: str = 'samples'
     seed: int = 0
     noise: float = 1.0
+    resolution: float = 1.0
 
     def plant(self) -> tuple[Valve, Sensors]:
         """Return the true plant: drawn parameters and all effects."""
@@ -61,12 +64,22 @@ def play(valve: Valve, sensors: Sensors, current: np.ndarray) -> tuple[np.ndarra
     It settles after an excursion to a lower current, so that whatever has play or friction is
     loaded from one side, as after any operation.
     """
-    samples = round(WARM_UP_SECONDS / SAMPLE_TIME)
-    before = np.full(samples, current[0])
+    return _played(valve, sensors, current.tobytes(), WARM_UP_SECONDS)
+
+
+@lru_cache(maxsize=256)
+def _played(
+    valve: Valve, sensors: Sensors, current: bytes, warm_up: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Play a plant; whoever draws, shows and records it, at several noises, needs that once."""
+    currents = np.frombuffer(current)
+    samples = round(warm_up / SAMPLE_TIME)
+    before = np.full(samples, currents[0])
     before[: samples // 8] -= 10e-6
-    rows = run(valve, np.concatenate([before, current]), -WARM_UP_SECONDS)
-    pressure, position = sensed(sensors, rows)
-    return pressure[samples:], position[samples:]
+    rows = run(valve, np.concatenate([before, currents]), -warm_up)
+    pressure, position = (channel[samples:] for channel in sensed(sensors, rows))
+    pressure.flags.writeable = position.flags.writeable = False
+    return pressure, position
 
 
 def visibility(case: Case) -> tuple[float, float]:
@@ -84,14 +97,18 @@ def write_case(case: Case, folder: Path) -> dict[str, object]:
     plant = case.plant()
     for part, (label, current) in enumerate(zip(('fit', 'val'), case.currents(), strict=True)):
         draws = np.random.default_rng([case.seed, 3, part])
-        shown = recorded(*play(*plant, current), draws, case.noise)
-        _write_record(folder / f'{case.name}_{label}.csv', current, *shown)
+        shown = recorded(*play(*plant, current), draws, case.noise, case.resolution)
+        _write_record(folder / f'{case.name}_{label}.csv', current, *shown,
+                      fine=case.resolution != 1.0)
     pressure, position = visibility(case) if case.effects else (0.0, 0.0)
     return {
         'effect': _settings(case),
         'names': _names(case),
         'location': _location(case),
         'kind': case.kind,
+        'noise': {'chamber_pressure': case.noise * PRESSURE_NOISE,
+                  'valve_position': case.noise * POSITION_NOISE},
+        'parameters': true_parameters(case.clean_valve(), case.effects, case.spread),
         'rms_p': float(np.hypot(pressure, case.noise * PRESSURE_NOISE)),
         'rms_x': float(np.hypot(position, case.noise * POSITION_NOISE)),
     }
@@ -107,13 +124,13 @@ def write_cases(cases: Sequence[Case], folder: Path) -> Iterator[str]:
 
 
 def _write_record(
-    path: Path, current: np.ndarray, pressure: np.ndarray, position: np.ndarray
+    path: Path, current: np.ndarray, pressure: np.ndarray, position: np.ndarray, *, fine: bool
 ) -> None:
     time = np.arange(current.size) * SAMPLE_TIME
     np.savetxt(
         path,
         np.column_stack([time, current, pressure, position]),
-        fmt=('%.2f', '%.12f', '%.0f', '%.6f'),
+        fmt=('%.2f', '%.12f', *(('%.6f', '%.12f') if fine else ('%.0f', '%.6f'))),
         delimiter=',',
         header='time,control_current,chamber_pressure,valve_position',
         comments='',

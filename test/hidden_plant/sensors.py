@@ -68,12 +68,21 @@ def sensed(sensors: Sensors, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def recorded(
-    pressure: np.ndarray, position: np.ndarray, generator: np.random.Generator, noise: float = 1.0
+    pressure: np.ndarray, position: np.ndarray, generator: np.random.Generator, noise: float = 1.0,
+    resolution: float = 1.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the recorder writes: values with `noise` times the usual, at its resolution."""
+    """
+    Return what the recorder writes: values with `noise` times the usual, at its resolution.
+
+    That is `resolution` times the usual; with 0 all digits are there.
+    """
     noisy_pressure = pressure + noise * PRESSURE_NOISE * generator.standard_normal(pressure.size)
     noisy_position = position + noise * POSITION_NOISE * generator.standard_normal(position.size)
     return (
-        np.round(noisy_pressure / PRESSURE_RESOLUTION) * PRESSURE_RESOLUTION,
-        np.round(noisy_position / POSITION_RESOLUTION) * POSITION_RESOLUTION,
+        _rounded(noisy_pressure, resolution * PRESSURE_RESOLUTION),
+        _rounded(noisy_position, resolution * POSITION_RESOLUTION),
     )
+
+
+def _rounded(values: np.ndarray, step: float) -> np.ndarray:
+    return np.round(values / step) * step if step > 0.0 else values

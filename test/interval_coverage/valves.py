@@ -5,6 +5,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from hidden_plant import truth
 from hidden_plant.cases import play
 from hidden_plant.currents import KINDS, LEVELS
 from hidden_plant.declared import drawn_valve
@@ -16,8 +17,6 @@ import numpy as np
 
 from booster_ros.signals.noise_autocorrelation import Noise
 from booster_ros.records.record import Record
-
-Key = tuple[str, int | None]
 
 SECONDS = 100.0
 
@@ -41,16 +40,10 @@ NOISE: Mapping[str, Noise] = {
 """Noise of the plant's sensors, white: their own and that of rounding."""
 
 SIZES: Mapping[str, tuple[str, ...]] = {
-    'chamber_leak': ('actuator.leak_area',),
-    'ep_hysteresis': ('ep_converter.hysteresis',),
-    'dead_time': ('ep_converter.dead_time',),
-    'booster_dead_band': ('booster.intake_preload', 'booster.exhaust_preload'),
-    'supply_droop': ('supply.droop',),
-    'heat_transfer': ('actuator.thermal_resistance',),
-    'bench_set_shift': ('actuator.bench_set_shift',),
-    'position_backlash': ('sensors.position_backlash',),
-    'pressure_sensor_lag': ('sensors.pressure_lag',),
-    'stem_friction_coulomb': ('actuator.coulomb_friction',),
+    effect: tuple(truth.SIZES[effect]) for effect in (
+        'chamber_leak', 'ep_hysteresis', 'dead_time', 'booster_dead_band', 'supply_droop',
+        'heat_transfer', 'bench_set_shift', 'position_backlash', 'pressure_sensor_lag',
+        'stem_friction_coulomb')
 }
 """Effects of the plant whose size is one that the model has as well, in the same unit."""
 
@@ -78,25 +71,11 @@ class Drawn:
         size = float(np.exp(generator.uniform(np.log(small), np.log(large))))
         return *put_in(EFFECTS[self.effect], size, valve, sensors), size
 
-    def truth(self) -> dict[Key, float]:
+    def truth(self) -> dict[truth.Key, float]:
         """Return what was put in, by name and element of the model's parameters."""
         valve, _, size = self.valve()
-        stem, area = valve.stem, valve.chamber.area
-        low = stem.preload / area
-        return {
-            ('ep_converter.gain', None): valve.converter.gain,
-            ('ep_converter.offset', None): valve.converter.offset,
-            ('ep_converter.time_constant', None): valve.converter.time_constant,
-            ('booster.opening_gain', None): valve.booster.opening_gain,
-            ('booster.max_area', None): valve.booster.max_area,
-            ('booster.critical_pressure_ratio', None): valve.booster.critical_ratio,
-            ('supply.pressure', None): valve.supply.pressure,
-            ('actuator.dead_volume', None): valve.chamber.dead_volume,
-            ('actuator.bench_set', 0): low,
-            ('actuator.bench_set', 1): low + stem.spring_rate * stem.travel / area,
-            ('actuator.viscous_friction', None): stem.viscous_friction,
-            **{(name, None): size for name in SIZES.get(self.effect, ())},
-        }
+        of_effect = truth.effect_truth(self.effect, size) if self.effect else {}
+        return {**truth.declared_truth(valve), **{(name, None): v for name, v in of_effect.items()}}
 
     def record(self) -> Record:
         """Return what a recorder with this noise writes of it."""

@@ -27,7 +27,9 @@ Array = np.ndarray
 class Observation(Protocol):
     """What of the readings counts; `visible` is the change of it that shows above its roughness."""
 
-    visible: float
+    @property
+    def visible(self) -> float:
+        """The change of the residuals (norm) that a difference has to make."""
 
     def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:
         """Return the residuals of each channel, from the scaled residuals of its rows."""

@@ -44,6 +44,7 @@ def _natural(p: PositionerParameters, component: str, unit: str) -> float:
         'm': travel,
         'N': force,
         'N/m': force / travel if travel else math.nan,
+        'N s/m': force / travel if travel else math.nan,
     }
     return sizes.get(unit, 1.0)
 

@@ -12,7 +12,9 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, Free, declared_freedom
-from booster_ros.model.catalogue import EFFECTS, Effect
+from booster_ros.model.actuator import VESSEL
+from booster_ros.model.booster import NO_BOOSTER
+from booster_ros.model.catalogue import EFFECTS, Effect, has_part
 from booster_ros.model.gas import ISO_6358
 from booster_ros.model.system import PositionerParameters
 
@@ -25,7 +27,8 @@ def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[
     """Return the names of the effects that can change what is compared in this experiment."""
     resting = _stem_rests(experiment, declared)
     return tuple(name for name, effect in EFFECTS.items()
-                 if _shows(effect, experiment) and not (resting and effect.location == 'stem')
+                 if has_part(declared, effect) and _shows(effect, experiment)
+                 and not (resting and effect.location == 'stem')
                  and effect.orifice_law in (None, declared.booster.orifice_law))
 
 
@@ -69,7 +72,12 @@ def free_to_refit(declared: PositionerParameters, experiment: Experiment) -> tup
 
 
 def _acts(parameter: str, declared: PositionerParameters) -> bool:
-    """Tell whether the declared law of flow through the seats knows the parameter."""
+    """Tell whether the rig has what the parameter is of, and its law of flow knows it."""
+    component = parameter.split('.')[0]
+    if component == 'booster' and declared.booster.kind == NO_BOOSTER:
+        return False
+    if component == 'actuator' and declared.actuator.kind == VESSEL:
+        return parameter in OF_THE_CHAMBER
     known_to_one_law = parameter == 'booster.critical_pressure_ratio'
     return not known_to_one_law or declared.booster.orifice_law == ISO_6358
 

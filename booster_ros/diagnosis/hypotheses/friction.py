@@ -27,7 +27,8 @@ import numpy as np
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.scaling import proportion
-from booster_ros.model.actuator import friction_along_travel, stem_force
+from booster_ros.model.actuator import (
+    Actuator, friction_along_travel, lower_stop, stem_force, upper_stop)
 from booster_ros.model.sensors import position_behind, pressure_behind
 
 Array = np.ndarray
@@ -138,7 +139,7 @@ def signature_friction(problem: Problem, z: Array) -> tuple[float, float] | None
     position = np.array([position_behind(p.sensors, x) for x in readings])
     ends = []
     for way in (1.0, -1.0):
-        rows, speed = _rows_going(problem, position, p.actuator.travel, way)
+        rows, speed = _rows_going(problem, position, p.actuator, way)
         if np.count_nonzero(rows) < FEWEST:
             continue
         held = np.array([
@@ -158,7 +159,7 @@ def signature_friction(problem: Problem, z: Array) -> tuple[float, float] | None
     return float(low), float(high)
 
 
-def _rows_going(problem: Problem, position: Array, travel: float, way: float
+def _rows_going(problem: Problem, position: Array, act: Actuator, way: float
                 ) -> tuple[Array, Array]:
     """Return the rows around which the stem goes this way, as a mask, and its mean speed, m/s."""
     experiment, known = problem.experiment, np.isfinite(position)
@@ -166,7 +167,8 @@ def _rows_going(problem: Problem, position: Array, travel: float, way: float
     earlier, later = (np.interp(time + beside, time[known], position[known])
                       for beside in (-BESIDE, BESIDE)) if known.any() else (position, position)
     least = BEYOND_NOISE * experiment.noise['valve_position']
-    rows = (problem.rows & (position > least) & (position < travel - least)
+    rows = (problem.rows & (position > lower_stop(act) + least)
+            & (position < upper_stop(act) - least)
             & np.isfinite(experiment.measured['chamber_pressure'])
             & (way * (position - earlier) > least) & (way * (later - position) > least))
     return rows, (later - earlier) / (2.0 * BESIDE)

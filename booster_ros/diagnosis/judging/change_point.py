@@ -66,13 +66,15 @@ change tell.
 
 
 def since_change(
-    diagnosis: Diagnosis, record: Record, progress: Progress | None = None
+    diagnosis: Diagnosis, record: Record, progress: Progress | None = None,
+    judge: Callable[..., Diagnosis] = diagnose,
 ) -> Diagnosis:
     """
     Return the diagnosis of the record from where the valve changed, the given one if it did not.
 
     Where the record is not cut there, as too little of it is left, say, return the given diagnosis
-    with the time of the change. The locked part does not decide whether to cut.
+    with the time of the change. The test set does not decide whether to cut. `judge` is the
+    procedure that diagnoses the rest.
     """
     left = _left(diagnosis.error)
     if diagnosis.experiment.quasi_static or not (
@@ -84,7 +86,7 @@ def since_change(
     if found is None:
         return diagnosis
     change, before = found
-    later = _later(record, change, diagnosis.declared, tell) if left > MUCH else None
+    later = _later(record, change, diagnosis.declared, tell, judge) if left > MUCH else None
     # the declared model has not met the missed rows even where it was refitted to them as well
     diagnosis = replace(diagnosis, held_out={
         name: replace(error, left_open=np.nan, unforeseen=np.nan, mostly={})
@@ -214,15 +216,15 @@ def _lengthened(met_up_to: Callable[[int, Fit], Fit | None], met: tuple[int, Fit
     return met
 
 
-def _later(record: Record, change: Change, declared: PositionerParameters, tell: Progress
-           ) -> Diagnosis | None:
+def _later(record: Record, change: Change, declared: PositionerParameters, tell: Progress,
+           judge: Callable[..., Diagnosis]) -> Diagnosis | None:
     """Return the diagnosis of the record from the change on, None where too little is left."""
     rest = record.since(change.time)
     if len(rest) < ENOUGH_LEFT * len(record):
         return None
     try:
         experiment = prepare(rest, declared)
-        return diagnose(
+        return judge(
             experiment, declared, lambda phrase, share: tell(
                 f'from {change.time:.9g} s on: {phrase}', share),
             (*rest.notes, *experiment.notes))

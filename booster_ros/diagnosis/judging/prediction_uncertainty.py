@@ -23,7 +23,7 @@ met,
 (Propagation of distributions by a Monte Carlo method: JCGM 101:2008, 5 and 7.)
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np

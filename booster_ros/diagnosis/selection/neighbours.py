@@ -17,7 +17,7 @@ import numpy as np
 
 from booster_ros.diagnosis.estimation.fit import (
     Fit, carried, first_steps, fit, fit_at, nominal)
-from booster_ros.diagnosis.estimation.observation import ROWS
+from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
@@ -25,7 +25,8 @@ from booster_ros.diagnosis.hypotheses.friction import friction_starts
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
-    Screened, promise, reference_at, references, screen, strong_frequencies)
+    SIZES, TYPICAL, Screened, promise, reference_at, references, screen, strong_frequencies,
+    with_chord_steps)
 from booster_ros.diagnosis.selection.task import Model, Task, upstream_task
 from booster_ros.model.catalogue import EFFECTS
 
@@ -36,8 +37,8 @@ BEGUN, FIRST_STEPS = 6, 4
 """Number of screened effects that get first steps of a fit, and how many: screening ranks the right
 one among the first six."""
 
-OTHER_START = 1.5
-"""Multiple of an effect's best cost in screening from which its second start is not tried."""
+CHORDED, FRICTION_STARTS = 10, 2
+"""Number of effects that take chord steps, and of starts of friction that get first steps."""
 
 FINISHED = 4
 """Number of those that are fitted to their end, on thinned rows, and then to every row."""
@@ -60,8 +61,12 @@ class Neighbours:
 
 def fitted_to_every_row(task: Task, effects: tuple[str, ...], problem: Problem, *starts: Array
                         ) -> Model:
-    """Return the model fitted to every training row."""
-    whole = task.on_every_row(problem)
+    """
+    Return the model fitted to every training row.
+
+    Statistics of windows are told by thinned rows nearly as well: their noise is that of slips.
+    """
+    whole = task.on_every_row(problem) if problem.observation is ROWS else problem
     return task.scored(effects, whole, fit(whole, starts))
 
 
@@ -102,7 +107,8 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
             far.append(one)
     found = []
     for one in near:
-        found.append(fitted_to_every_row(task, one.effects, one.problem, one.fit.z))
+        found.append(one if one.problem.observation is WINDOWS else fitted_to_every_row(
+            task, one.effects, one.problem, one.fit.z))
         tick()
     return Neighbours(found, far)
 
@@ -140,24 +146,14 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
     """Return the models with the effects that get furthest on thinned rows, fitted to these."""
     problem = task.problem(parent.effects)
     found = fit_at(problem, parent.fit.z)
-    smooth = problem.observation is ROWS
-    around = references(problem, found) if smooth else [reference_at(problem, found)]
-    frequencies = strong_frequencies(problem, found.z)
-    slipping = [name for name in names if EFFECTS[name].rubs]
-
-    def screened(name: str) -> Screened:
-        one = screen(problem, around, name, frequencies, few=not smooth)
-        tick()
-        return one
-
-    quick = sorted(side_by_side(screened, [name for name in names if name not in slipping]),
-                   key=lambda one: one.cost)
     steps: list[tuple[str, Fit, Problem]] = []
-    for one in quick[:BEGUN]:
-        ends = [first_steps(one.problem, start, FIRST_STEPS)
-                for start, cost in zip(one.starts[:2], one.costs) if cost < OTHER_START * one.cost]
-        if ends:
-            steps.append((one.effect, min(ends, key=lambda end: end.cost), one.problem))
+    for one in _screened(problem, found, [n for n in names if not EFFECTS[n].rubs], tick):
+        end = first_steps(one.problem, one.starts[0], FIRST_STEPS)
+        for start, cost in zip(one.starts[1:2], one.costs[1:]):
+            if cost < end.cost:
+                end = min(end, first_steps(one.problem, start, FIRST_STEPS),
+                          key=lambda end: end.cost)
+        steps.append((one.effect, end, one.problem))
         tick()
     steps.sort(key=lambda step: step[1].cost)
     ended = []
@@ -167,13 +163,40 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
                 joint, [end.z, nominal(joint, end.z)])))
         tick()
     # slips are slow to simulate, and nothing calls for them where another effect leaves noise
-    met = any(one.reduced_chi2 < NOISE for one in ended)
-    for name in () if met else slipping:
-        effects = (*parent.effects, name)
-        joint = task.problem(effects)
-        begun = [first_steps(joint, start, FIRST_STEPS)
-                 for start in friction_starts(joint, _seen_upstream(task, parent, joint))]
-        ended.append(task.scored(effects, joint, fit(
-            joint, [min(begun, key=lambda end: end.cost).z])))
-        tick()
+    if not any(one.reduced_chi2 < NOISE for one in ended):
+        for name in (name for name in names if EFFECTS[name].rubs):
+            ended += _with_friction(task, parent, name)
+            tick()
     return ended
+
+
+def _screened(problem: Problem, found: Fit, names: list[str], tick: Tick) -> list[Screened]:
+    """Return the effects that screening ranks first, with their starts."""
+    smooth = problem.observation is ROWS
+    around = references(problem, found) if smooth else [reference_at(problem, found)]
+    frequencies = strong_frequencies(problem, found.z)
+
+    def one(name: str) -> Screened:
+        tick()
+        return screen(problem, around, name, frequencies, SIZES if smooth else TYPICAL)
+
+    quick = sorted((each for each in side_by_side(one, names) if each.starts),
+                   key=lambda each: each.cost)
+    if smooth:
+        quick = sorted(side_by_side(
+            lambda each: with_chord_steps(problem, each), quick[:CHORDED]),
+            key=lambda each: each.cost)
+    return quick[:BEGUN]
+
+
+def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:
+    """Return the model with friction beside the parent's effects, none if nothing speaks for it."""
+    effects = (*parent.effects, name)
+    joint = task.problem(effects)
+    starts = friction_starts(joint, _seen_upstream(task, parent, joint))
+    begun = min((first_steps(joint, start, FIRST_STEPS) for start in sorted(
+        starts, key=joint.cost)[:FRICTION_STARTS]), key=lambda end: end.cost)
+    smooth = replace(task.problem(parent.effects), observation=joint.observation)
+    if begun.cost > smooth.cost(parent.fit.z):
+        return []
+    return [task.scored(effects, joint, fit(joint, [begun.z]))]

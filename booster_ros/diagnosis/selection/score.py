@@ -16,9 +16,9 @@ predictive density of that block, up to a constant.
 
 What no candidate explains is an error of all of them: real valves differ from every model, and
 what is left is neither white nor of the size of the noise. So likelihoods are tempered by c, the
-over-dispersion and autocorrelation of what the best candidate leaves (quasi-likelihood: P. McCullagh
-and J. Nelder, Generalized Linear Models, 1989, 4.5; J. Miller and D. Dunson, JASA 114 (2019) 1113).
-With a perfect model c is 1.
+over-dispersion and autocorrelation of what the best candidate leaves (quasi-likelihood: P.
+McCullagh and J. Nelder, Generalized Linear Models, 1989, 4.5; J. Miller and D. Dunson, JASA 114
+(2019) 1113). With a perfect model c is 1.
 """
 
 from collections.abc import Sequence

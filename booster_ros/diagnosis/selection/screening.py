@@ -12,9 +12,9 @@ declared parameters can imitate part of it. So what they can imitate is projecte
    cost that this size can reach;
 3. what remains runs nearly straight from size 0 to e, which tells the size at which it should be
    least: of the trials that promise most there, simulate four at that size;
-4. linear reckoning fails where the variables react by much. So a few Gauss-Newton steps follow
-   from the best size, with J kept as it is and only the effect's own columns simulated anew (chord
-   steps): what they reach is no promise but a cost that was simulated.
+4. linear reckoning fails where the variables react by much. So, for the effects that do best, a
+   few Gauss-Newton steps follow from the best size, with J kept as it is and only the effect's own
+   columns simulated anew (chord steps): what they reach is a cost that was simulated.
 
 A joint fit begins where the chord steps end, around each reference; also where they began, if they
 did not keep what linear reckoning promised there.
@@ -67,16 +67,17 @@ DIFFERENCE = 1e-2
 @dataclass(frozen=True)
 class Screened:
     """
-    An effect, the problem with it added, where to fit from (best first), the costs there.
+    An effect, the problem with it added, where to fit from, and the costs there (best first).
 
     A cost was simulated there, or is what linear reckoning promised where chord steps did not keep
-    it or were not taken.
+    it or were not taken. `around` are the references that they were reckoned from.
     """
 
     effect: str
     problem: Problem
     starts: tuple[Array, ...]
     costs: tuple[float, ...]
+    around: tuple['Reference', ...]
 
     @property
     def cost(self) -> float:
@@ -266,38 +267,40 @@ def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
 
 
 def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
-           few: bool = False) -> Screened:
-    """
-    Return the quick joint fit of one effect on top of a fitted problem.
-
-    With `few`, only the typical size is tried, and no chord steps follow.
-    """
+           multiples: tuple[float, ...] = SIZES) -> Screened:
+    """Return the best of some sizes of an effect on top of a fitted problem, for each reference."""
     joint = with_effect(problem, EFFECTS[name])
     free = joint.freedoms[len(problem.freedoms):]
-    low, high = joint.bounds()
-    starts: list[Array] = []
-    costs: list[float] = []
+    found = []
     for reference in (_beside(one, problem, joint) for one in around):
-        best, lowest = None, float('inf')
         trials = [_tried(problem, joint, reference, e)
-                  for e in _sizes_to_try(free, frequencies, TYPICAL if few else SIZES)]
+                  for e in _sizes_to_try(free, frequencies, multiples)]
         further = sorted(trials, key=lambda trial: trial.promised)[:LENGTHS]
-        for trial in (*trials, *(_lengthened(problem, joint, reference, t) for t in further)):
-            if trial.cost < lowest:
-                best, lowest = trial.z, trial.cost
-        if best is not None:
-            found = [(lowest, np.clip(best, low, high))]
-            if not few:
-                reached = _chord(problem, joint, reference, found[0][1])
-                # a promise that the steps did not keep may still be kept by a fit
-                kept = reached[0] < UNKEPT * lowest
-                found = [reached] if kept else [*found, reached]
-            for cost, start in found:
-                if not any(np.allclose(start, other, rtol=1e-3) for other in starts):
-                    starts.append(start)
-                    costs.append(cost)
-    order = np.argsort(costs)
-    return Screened(name, joint, tuple(starts[k] for k in order), tuple(costs[k] for k in order))
+        trials += [_lengthened(problem, joint, reference, trial) for trial in further]
+        if trials:
+            best = min(trials, key=lambda trial: trial.cost)
+            found.append((best.cost, np.clip(best.z, *joint.bounds()), reference))
+    return _ranked(name, joint, found)
+
+
+def with_chord_steps(problem: Problem, quick: Screened) -> Screened:
+    """Return a screened effect with chord steps taken from its starts."""
+    found = []
+    for cost, start, reference in zip(quick.costs, quick.starts, quick.around):
+        reached = (*_chord(problem, quick.problem, reference, start), reference)
+        # a promise that the steps did not keep may still be kept by a fit
+        found += [reached] if reached[0] < UNKEPT * cost else [(cost, start, reference), reached]
+    return _ranked(quick.effect, quick.problem, found)
+
+
+def _ranked(name: str, joint: Problem, found: list[tuple[float, Array, Reference]]) -> Screened:
+    """Return the starts that were found, best first, each place once."""
+    kept: list[tuple[float, Array, Reference]] = []
+    for one in sorted(found, key=lambda one: one[0]):
+        if not any(np.allclose(one[1], other, rtol=1e-3) for _, other, _ in kept):
+            kept.append(one)
+    return Screened(name, joint, tuple(z for _, z, _ in kept), tuple(cost for cost, *_ in kept),
+                    tuple(reference for *_, reference in kept))
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,13 +3,12 @@
 """
 Stepwise selection: effects are added, exchanged and deleted, by one comparison (`decide`).
 
-1. Refit the declared model. Where the subsystem above the stem lacks nothing, only what belongs to
-   the stem or a sensor is tried (fault isolation).
-2. Add the effect with the best evidence among the neighbours, as long as the comparison accepts it.
+1. Refit the declared model.
+2. Ask the subsystem above the stem (fault isolation). Where it lacks nothing, only what belongs to
+   the stem or a sensor is tried; where it calls for an effect, go on with that.
+3. Add the effect with the best evidence among the neighbours, as long as the comparison accepts it.
    Of two missing effects, either alone may look like none: once, go on from the best one all the
    same, and accept both together or none.
-3. Where the stem sticks, what lies above it is sought in the upstream subsystem, where slips do not
-   decide.
 4. Where several effects leave more than noise, put others in the place of each; delete each effect
    that is not called for beside the others.
 5. Where much is left, smooth terms without a name compete with what was found.
@@ -17,7 +16,7 @@ Stepwise selection: effects are added, exchanged and deleted, by one comparison 
 Every model that was compared is in the trace, with what the comparison said.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 import itertools
 
@@ -93,11 +92,13 @@ def comparison(task: Task, one: Model, other: Model, rivals: list[Model]) -> Com
     Both are observed by statistics of windows where either is. The best of the rivals of that
     observation tells c.
     """
-    observation = WINDOWS if WINDOWS in (
-        one.problem.observation, other.problem.observation) else one.problem.observation
-    one, other = task.observed_as(one, observation), task.observed_as(other, observation)
-    alike = [each for each in rivals if each.problem.observation is observation]
-    best = min([one, other, *alike], key=lambda each: each.score.cost)
+    if one.problem.observation is not other.problem.observation:
+        if one.problem.observation is WINDOWS:
+            other = task.observed_as(other, one)
+        else:
+            one = task.observed_as(one, other)
+    alike = [each for each in rivals if each.problem.observation is one.problem.observation]
+    best = min([one, other, *alike], key=lambda each: each.score.cost / each.score.observed)
     return compare(one.score, other.score, best.score.dispersion)
 
 
@@ -105,11 +106,11 @@ def select(task: Task, tell: Progress) -> Selection:
     """Return which effects the record calls for; `tell` is called with a phrase and a share."""
     tell('refitting the declared parameters', 0.02)
     root = refitted(task)
-    task = isolated(task, root)
     trace = _Trace(root)
-    chosen = _added(task, root, trace, tell)
-    chosen = _upstream_too(task, chosen, trace, tell)
-    if len(chosen.effects) > 1:
+    task, begin = _upstream_first(task, root, trace, tell)
+    chosen = _added(task, begin, trace, tell)
+    # beside friction, what lies above the stem was judged where slips do not blur it
+    if len(chosen.effects) > 1 and chosen.problem.observation is not WINDOWS:
         tell('exchanging effects', 0.65)
         chosen = _deleted(task, _exchanged(task, chosen, trace), trace)
     named = chosen
@@ -121,25 +122,45 @@ def select(task: Task, tell: Progress) -> Selection:
     return Selection(root, chosen, named, tuple(trace.models), tuple(trace.steps))
 
 
-def isolated(task: Task, root: Model) -> Task:
-    """Return the task without the places that can have no part in what is missing."""
-    above = upstream_task(task)
-    if above is None or root.reduced_chi2 < NOISE:
-        return task
-    left = refitted(above).reduced_chi2
-    if left > SMOOTHED or left - 1.0 > ISOLATED * (root.reduced_chi2 - 1.0):
-        return task
-    return replace(task, places=_BELOW, names=tuple(
-        name for name in task.names if EFFECTS[name].location in _BELOW))
+def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> tuple[Task, Model]:
+    """
+    Return the task and the model to begin with, by what the upstream subsystem lacks.
+
+    If it lacks nothing, the task is that of the stem and the sensors alone. If it calls for an
+    effect, the whole model has that effect where it is accepted there, too: whatever the stem
+    lacks does not blur it.
+    """
+    above = None if leaves_noise(root) else upstream_task(task)
+    if above is None:
+        return task, root
+    tell('looking above the stem', 0.04)
+    parent = refitted(above)
+    left = parent.reduced_chi2
+    if left < SMOOTHED and left - 1.0 < ISOLATED * (root.reduced_chi2 - 1.0):
+        return replace(task, places=_BELOW, names=tuple(
+            name for name in task.names if EFFECTS[name].location in _BELOW)), root
+    found = neighbours(above, parent, above.names)
+    likely = [one for one in found.near if accepted(trace.compared(
+        above, one, parent, found.near, len(above.names)), len(above.names))]
+    whole = [refitted(task, one.effects, root.fit, one.fit) for one in likely]
+    trace.models += whole
+    best = _best(task, whole)
+    if best is None or not accepted(trace.compared(
+            task, best, root, whole, len(task.names)), len(task.names)):
+        return task, root
+    return task, best
 
 
-def _added(task: Task, root: Model, trace: _Trace, tell: Progress) -> Model:
+def _added(task: Task, begin: Model, trace: _Trace, tell: Progress) -> Model:
     """Return the model with effects added, one by one, as long as that is called for."""
-    chosen = parent = root
-    for level in range(MOST_EFFECTS):
+    chosen = parent = begin
+    for level in range(len(begin.effects), MOST_EFFECTS):
+        # a law is never quite the valve's: what it leaves within the noise is no second effect
+        if parent.effects and (leaves_noise(parent) or _idealised(parent, trace.root)):
+            break
         done = itertools.count(1)
 
-        def tick(level: int = level) -> None:
+        def tick(level: int = level, done: Iterator[int] = done) -> None:
             share = min(next(done) / (len(task.names) + 12), 1.0)
             tell(f'trying effect {level + 1}', 0.05 + 0.2 * (level + share))
 
@@ -153,17 +174,20 @@ def _added(task: Task, root: Model, trace: _Trace, tell: Progress) -> Model:
             break
         else:
             parent = best
-        # a law is never quite the valve's: what it leaves within the noise is no second effect
-        if leaves_noise(parent):
-            break
     return chosen
 
 
+def _idealised(model: Model, root: Model) -> bool:
+    """Tell whether no more is left of slips than idealising friction leaves."""
+    return model.problem.observation is WINDOWS and explained(model, root) > NEARLY_ALL
+
+
 def _names(task: Task, parent: Model) -> tuple[str, ...]:
-    """Return the effects to add: beside friction, those above the stem have a task of their own."""
-    if parent.problem.observation is WINDOWS and upstream_task(task) is not None:
-        return tuple(name for name in task.names if not is_upstream(name))
-    return task.names
+    """Return the effects to add; beside friction those of the stem, as what is above is known."""
+    if parent.problem.observation is not WINDOWS or upstream_task(task) is None:
+        return task.names
+    return tuple(name for name in task.names
+                 if not is_upstream(name) and not EFFECTS[name].rubs)
 
 
 def _best(task: Task, found: list[Model]) -> Model | None:
@@ -188,24 +212,6 @@ def _best(task: Task, found: list[Model]) -> Model | None:
     return second if comparison(task, second, first, groups).log_evidence > TIE else first
 
 
-def _upstream_too(task: Task, chosen: Model, trace: _Trace, tell: Progress) -> Model:
-    """Return the model of a stem that sticks with what its upstream subsystem calls for as well."""
-    above = upstream_task(task) if chosen.problem.observation is WINDOWS else None
-    if above is None or len(chosen.effects) >= MOST_EFFECTS:
-        return chosen
-    tell('looking above the stem', 0.6)
-    present = tuple(filter(is_upstream, chosen.effects))
-    parent = refitted(above, present)
-    found = neighbours(above, parent, above.names)
-    best = _best(above, found.near)
-    if best is None or not accepted(trace.compared(
-            above, best, parent, found.near, len(above.names)), len(above.names)):
-        return chosen
-    both = refitted(task, (*chosen.effects, best.effects[-1]), chosen.fit, best.fit)
-    trace.models.append(both)
-    return both
-
-
 def _exchanged(task: Task, chosen: Model, trace: _Trace) -> Model:
     """
     Return the model with another effect in the place of one of its effects, if that is better.
@@ -214,8 +220,8 @@ def _exchanged(task: Task, chosen: Model, trace: _Trace) -> Model:
     the place of the last one, all others have been tried already.
     """
     for name in chosen.effects[:-1]:
-        if leaves_noise(chosen) or EFFECTS[name].rubs:
-            continue
+        if leaves_noise(chosen):
+            break
         parent = refitted(task, chosen.but(name), chosen.fit)
         found = neighbours(task, parent, tuple(
             other for other in _names(task, parent) if other != name))
@@ -230,8 +236,8 @@ def _exchanged(task: Task, chosen: Model, trace: _Trace) -> Model:
 def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
     """Return the model without the effects that are not called for beside the others."""
     for name in chosen.effects:
-        if len(chosen.effects) < 2 or EFFECTS[name].rubs:
-            continue
+        if len(chosen.effects) < 2:
+            break
         smaller = refitted(task, chosen.but(name), chosen.fit)
         trace.models.append(smaller)
         found = trace.compared(task, chosen, smaller, [], len(task.names))

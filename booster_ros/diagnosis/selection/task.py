@@ -10,7 +10,6 @@ import numpy as np
 from booster_ros.diagnosis.data.blocks import Segment, rows_of, training_blocks
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.fit import Fit, fit_at
-from booster_ros.diagnosis.estimation.observation import Observation
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effects
@@ -92,11 +91,10 @@ class Task:
         return Model(effects, problem, fit, score_of(problem, fit, block[rows]),
                      float(np.mean(readings**2)) if len(readings) else 0.0)
 
-    def observed_as(self, model: Model, observation: Observation) -> Model:
-        """Return the model scored by another observation of the same rows, at the same z."""
-        if model.problem.observation is observation:
-            return model
-        problem = replace(model.problem, observation=observation)
+    def observed_as(self, model: Model, other: Model) -> Model:
+        """Return the model scored on the rows and by the observation of another, at the same z."""
+        problem = replace(model.problem, observation=other.problem.observation,
+                          experiment=other.problem.experiment, rows=other.problem.rows)
         return self.scored(model.effects, problem, fit_at(problem, model.fit.z))
 
 

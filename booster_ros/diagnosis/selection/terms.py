@@ -37,7 +37,7 @@ LIKELY_TERMS = 4
 """Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
 LOOKS, WORTH_A_LOOK = 3, 0.05
-"""How often the knots of a term go to where it bends, as long as that lowers the cost by so much."""
+"""How often knots go to where a term bends, as long as that lowers the cost by so much."""
 
 UNFELT = 1e-9
 """Largest value of a term, in sizes that show, that is rounding where nothing asks for any."""
@@ -89,9 +89,10 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
 
 
 def _felt(joint: Problem, move: Array) -> bool:
-    """Tell whether a term moves anything compared; what lies upstream of a measured drive does not.
+    """
+    Tell whether a term moves anything compared; `move` is what linear reckoning makes of it.
 
-    `move` is what linear reckoning makes of it.
+    What lies upstream of a measured drive moves nothing.
     """
     return any(abs(step) > UNFELT for free, step in zip(joint.freedoms, move)
                if free.knob.parameter == 'discrepancy.values')
