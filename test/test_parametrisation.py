@@ -35,7 +35,7 @@ def test_the_range_of_a_bench_holds_no_place_where_its_parameters_stand_still():
 
 def test_stops_may_hardly_yield_but_not_be_as_soft_as_a_seat():
     name = 'actuator.stop_stiffness'
-    free = next(f for f in declared_freedom(DECLARED, recorded(P)) if f.knob.parameter == name)
+    free = next(f for f in declared_freedom(DECLARED, seen(P)) if f.knob.parameter == name)
     assert free.value(free.low) == pytest.approx(10.0 * get(DECLARED, name))
     assert get(DECLARED, name) / 3.0 < free.value(free.high) < get(DECLARED, name) / 2.0
 
