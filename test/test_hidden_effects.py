@@ -3,7 +3,7 @@
 """
 Effects that the catalogue does not have, and two at once, hidden in a plant of other equations.
 
-One of either kind always runs; with BOOSTER_ROS_ALL_SAMPLES in the environment, all do.
+Each is a whole diagnosis: they belong to the campaign.
 """
 
 import json

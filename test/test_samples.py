@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from booster_ros.parameters.file import read_parameter_file
 from booster_ros.programs.close_loop import main
 
 pytestmark = pytest.mark.campaign
