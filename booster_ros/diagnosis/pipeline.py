@@ -161,7 +161,7 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
 
 def _trace(selection: Selection) -> tuple[TraceStep, ...]:
     return tuple(TraceStep(
-        step.effects, step.against, step.reduced_chi2, step.found.log_evidence, step.found.elpd,
+        step.effects, step.against, step.reduced_chi2, step.found.log_evidence, step.found.gain,
         step.found.standard_error, step.found.dispersion, step.outcome)
         for step in selection.trace)
 
@@ -198,8 +198,8 @@ def _found(task: Task, selection: Selection, chosen: Model, after: FinalFit,
         name, effect.location, parameters, alike(task, selection, chosen, name),
         effect.separating_experiment,
         {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
-         'log_evidence': said.log_evidence, 'elpd': said.elpd,
-         'elpd_standard_error': said.standard_error, 'dispersion': said.dispersion},
+         'log_evidence': said.log_evidence, 'gain': said.gain,
+         'gain_standard_error': said.standard_error, 'dispersion': said.dispersion},
         standing(explained(chosen, selection.root), chosen.reduced_chi2, cornered,
                  stands(held_out)), share)
 
@@ -224,8 +224,8 @@ def _nameless(place: str, selection: Selection, term: Model, held_out: dict[str,
     return FoundEffect(
         'unknown', place, {}, rivals, '',
         {'misfit_without': selection.root.reduced_chi2, 'misfit_with': term.reduced_chi2,
-         'log_evidence': said.log_evidence, 'elpd': said.elpd,
-         'elpd_standard_error': said.standard_error, 'dispersion': said.dispersion},
+         'log_evidence': said.log_evidence, 'gain': said.gain,
+         'gain_standard_error': said.standard_error, 'dispersion': said.dispersion},
         standing(share, term.reduced_chi2, False, stands(held_out)), share)
 
 

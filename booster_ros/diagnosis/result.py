@@ -45,16 +45,17 @@ class TraceStep:
     """
     A step of the selection: a model against another.
 
-    `log_evidence` and `elpd` are tempered by `dispersion`, + where the first model is better;
-    `reduced_chi2` is what that one leaves, in squares of the noise.
+    `log_evidence` and `gain` (of log likelihood, with its standard error over blocks) are tempered
+    by `dispersion`, + where the first model is better; `reduced_chi2` is what that one leaves, in
+    squares of the noise.
     """
 
     effects: tuple[str, ...]
     against: tuple[str, ...]
     reduced_chi2: float
     log_evidence: float
-    elpd: float
-    elpd_standard_error: float
+    gain: float
+    gain_standard_error: float
     dispersion: float
     outcome: str
 

@@ -219,10 +219,9 @@ def _evidence(effect: FoundEffect) -> str:
             f'is {number(facts["misfit_without"])} times that of the noise, with it '
             f'{number(facts["misfit_with"])} times.')
     if 'log_evidence' in facts:
-        text += (f' The logarithm of the evidence rises by {number(facts["log_evidence"])}; a '
-                 'block that is left out is predicted better by '
-                 f'{number(facts["elpd"])} ± {number(facts["elpd_standard_error"])} (log density, '
-                 'all blocks together).')
+        text += (f' The logarithm of the evidence rises by {number(facts["log_evidence"])}, that '
+                 f'of the likelihood by {number(facts["gain"])} ± '
+                 f'{number(facts["gain_standard_error"])} (standard error over blocks).')
     return paragraph(text)
 
 

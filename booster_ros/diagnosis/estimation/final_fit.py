@@ -37,11 +37,12 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
 
     Sizes of effects that the rows do not show are put back to none.
     """
-    other = nominal(problem, begin)
-    starts = [begin] if not np.any(other[:len(problem.freedoms)]) else [begin, other]
-    found = fit(problem, starts, LAST_EVALUATIONS, SETTLED)
     if problem.observation is ROWS:
-        found = at_the_bottom(problem, found)
+        other = nominal(problem, begin)
+        starts = [begin, other] if np.any(other[:len(problem.freedoms)]) else [begin]
+        found = at_the_bottom(problem, fit(problem, starts, LAST_EVALUATIONS, SETTLED))
+    else:  # a stem that sticks was fitted from what is seen above it, and takes long
+        found = fit(problem, [begin])
     found = without_unseen(problem, found)
     return FinalFit(problem, found, block_bootstrap(problem, found, block_of_row))
 

@@ -15,10 +15,9 @@ m' is accepted in the place of m where, tempered by what the best candidate leav
     log Z(m') - log Z(m)  >  log(number of candidates) + log 20
 
 so that of twenty records in which nothing is missing one gets something added at the most, whatever
-the number of candidates (Bonferroni); and where the gain in elpd, left-out block by left-out block,
-does not rest on a single block: it is positive without the block that gains most. Gains of an
-effect that shows in a few steps only are far from normal, and twice their standard error would
-reject what three of twenty blocks show beyond doubt.
+the number of candidates (Bonferroni); and where what it explains does not rest on a single block
+of the record (a step, a ramp): without the block that gains most, the others still gain TIE. A
+disturbance happens once; an effect comes back with what excites it.
 """
 
 from dataclasses import dataclass
@@ -32,7 +31,7 @@ ODDS = 20.0
 """Odds from which a difference counts: 19 to 1 is the usual 95 %."""
 
 TIE = log(ODDS)
-"""Difference of log evidence up to which two models are not told apart."""
+"""Difference of log evidence, or likelihood, up to which two models are not told apart."""
 
 NOISE = 1.15
 """Reduced chi-square up to which what is left may be noise: its level is estimated to some 5 %,
@@ -52,12 +51,12 @@ class Comparison:
     """
     What a record says of one model against another.
 
-    Differences of log evidence and of elpd, + where the first is better, the standard error of the
-    latter over blocks, the elpd gained without the block that gains most, and c.
+    The differences of log evidence and of log likelihood, + where the first is better, the standard
+    error of the latter over blocks, the latter without the block that gains most, and c.
     """
 
     log_evidence: float
-    elpd: float
+    gain: float
     standard_error: float
     without_best_block: float
     dispersion: float
@@ -65,7 +64,7 @@ class Comparison:
 
 def compare(one: Score, other: Score, c: float) -> Comparison:
     """Return what the record says of `one` against `other`, both scored on the same blocks."""
-    gains = one.predictive_density(c) - other.predictive_density(c)
+    gains = 0.5 * (other.costs - one.costs) / c
     error = float(np.std(gains, ddof=1) * np.sqrt(len(gains))) if len(gains) > 1 else 0.0
     return Comparison(
         one.log_evidence(c) - other.log_evidence(c), float(gains.sum()), error,
@@ -75,14 +74,14 @@ def compare(one: Score, other: Score, c: float) -> Comparison:
 def accepted(found: Comparison, candidates: int) -> bool:
     """Tell whether the record calls for the first model, one of so many candidates."""
     return (found.log_evidence > log(max(candidates, 1)) + log(ODDS)
-            and found.without_best_block > 0.0)
+            and found.without_best_block > TIE)
 
 
 def why_not(found: Comparison, candidates: int) -> str:
     """Return why a model is not accepted, '' where it is."""
     if accepted(found, candidates):
         return ''
-    if found.without_best_block <= 0.0 < found.log_evidence:
+    if found.without_best_block <= TIE < found.log_evidence:
         return 'its gain rests on a single block of the record'
     return 'the evidence for it is not enough'
 

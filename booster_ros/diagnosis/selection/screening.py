@@ -251,7 +251,9 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
             given[j] = found.z[j]
     at_rest = [j for j, free in enumerate(problem.freedoms)
                if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
-    third = [fit_at(problem, _refitted(problem, given, at_rest))] if at_rest else []
+    # with the measured stem as a drive, nothing shifts the rests but what is looked for
+    third = [fit_at(problem, _refitted(problem, given, at_rest))] if (
+        at_rest and not problem.experiment.pinned) else []
     return [reference_at(problem, place) for place in (found, fit_at(problem, given), *third)]
 
 
