@@ -107,8 +107,8 @@ FRICTION = FoundEffect(
     {'actuator.coulomb_friction': Interval(500.0, 480.0, 520.0, 'N'),
      'actuator.stiction': Interval(150.0, 90.0, 210.0, 'N')},
     ('position_backlash',), 'slow triangle with dither',
-    {'misfit_without': 388.0, 'misfit_with': 1.02, 'log_evidence': 4e4, 'elpd': 3.9e4,
-     'elpd_standard_error': 2e3, 'dispersion': 1.3}, 'confirmed', 0.99)
+    {'misfit_without': 388.0, 'misfit_with': 1.02, 'log_evidence': 4e4, 'gain': 3.9e4,
+     'gain_standard_error': 2e3, 'dispersion': 1.3}, 'confirmed', 0.99)
 
 TERM = UnknownTerm(BENT.discrepancy)
 

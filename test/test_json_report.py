@@ -72,7 +72,7 @@ def test_each_step_of_the_selection_is_written_with_its_figures():
     report = json.loads(json_text(replace(nothing_found(), trace=(step, last)), FROM))
     assert report['trace'][0] == {
         'effects': ['chamber_leak'], 'against': [], 'reduced_chi2': 1.02, 'log_evidence': 812.5,
-        'elpd': 790.25, 'elpd_standard_error': 31.5, 'dispersion': 1.25, 'outcome': 'accepted'}
-    assert report['trace'][1]['elpd'] is None
+        'gain': 790.25, 'gain_standard_error': 31.5, 'dispersion': 1.25, 'outcome': 'accepted'}
+    assert report['trace'][1]['gain'] is None
     assert report['trace'][1]['against'] == ['chamber_leak']
     assert json.loads(json_text(nothing_found(), FROM))['trace'] == []

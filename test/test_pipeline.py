@@ -47,7 +47,7 @@ def test_each_step_of_the_selection_is_in_the_trace(leaking):
     step = [one for one in found.trace if one.outcome == 'accepted'][-1]
     assert (step.effects, step.against) == (('chamber_leak',), ())
     assert step.log_evidence > 100.0
-    assert step.elpd > 2.0 * step.elpd_standard_error > 0.0
+    assert step.gain > 2.0 * step.gain_standard_error > 0.0
     assert 1.0 <= step.dispersion < 2.0
     assert step.reduced_chi2 < 1.15
     chosen, *others = sorted(found.suspects, key=lambda one: one.reason != 'chosen')
