@@ -58,7 +58,7 @@ def test_a_final_fit_says_how_sure_a_leak_is(leak):
     last = final_fit(problem, z_of(problem, {'actuator.leak_area': 2e-8}),
                      (TIME // 3.0).astype(int))
     found = interval_of(last.problem, last.draws, last.fit, 0)
-    assert found.low <= leak <= found.high < leak + 1e-8
+    assert abs(found.value - leak) <= found.high - found.low < 1e-8
     assert last.fit.cost < 1.1 * problem.observed
     if not leak:
         assert found.low == 0.0

@@ -16,13 +16,13 @@ FRICTION = {'actuator.coulomb_friction': 380.0, 'actuator.stiction': 130.0,
             'actuator.presliding_stiffness': 0.0}
 
 
-def windows_of(seconds, interval=0.02):
-    time = np.arange(0.0, seconds, interval)
-    return Windows.of(time, np.random.default_rng(1).standard_normal(len(time)))
+def windows_of(rows):
+    """Return the windows of so many rows, fifty a second."""
+    return Windows.of(0.02 * np.arange(rows), np.random.default_rng(1).standard_normal(rows))
 
 
 def test_rows_are_what_is_left_of_each():
-    windows = windows_of(3.0)
+    windows = windows_of(150)
     scaled = np.arange(150.0)
     (found,) = ROWS.of([windows], [scaled])
     assert np.array_equal(found, scaled)
@@ -30,7 +30,7 @@ def test_rows_are_what_is_left_of_each():
 
 
 def test_windows_are_a_mean_and_a_strength_of_each():
-    windows = windows_of(3.0)
+    windows = windows_of(150)
     (found,) = WINDOWS.of([windows], [np.full(150, 2.0)])
     assert found[:3] == pytest.approx(2.0 * np.sqrt(50.0))  # in standard deviations of a mean
     assert len(found) == 6
@@ -38,7 +38,7 @@ def test_windows_are_a_mean_and_a_strength_of_each():
 
 
 def test_a_window_too_short_for_a_strength_has_no_residual_of_one():
-    windows = windows_of(2.1)  # five rows in the last
+    windows = windows_of(105)  # five rows in the last
     (found,) = WINDOWS.of([windows], [np.zeros(105)])
     assert len(found) == len(WINDOWS.first_rows(windows)) == 3 + 2
 
@@ -79,6 +79,6 @@ def test_windows_are_smooth_where_rows_are_rough(slipping):
         costs = np.array([problem.cost(z_of(
             problem, FRICTION | {'actuator.coulomb_friction': force})) for force in forces])
         bends = np.diff(costs, 2)
-        return np.sqrt(np.mean((bends - np.mean(bends))**2)) / problem.observed
+        return np.std(bends) / np.ptp(costs)
 
     assert roughness(WINDOWS) < 0.5 * roughness(ROWS)
