@@ -27,7 +27,6 @@ from booster_ros.paper.printed import FLOW_UNIT, table_1
 from booster_ros.report.names import channel_label
 
 
-
 def names(diagnosis):
     return {effect.name for effect in diagnosis.effects}
 
