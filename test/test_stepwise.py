@@ -73,19 +73,6 @@ def test_what_is_explained_is_of_what_was_there_beyond_noise(models, before, aft
     assert leaves_noise(replace(root, reduced_chi2=1.1))
 
 
-def test_a_leak_is_found_beside_declared_parameters_that_imitate_it():
-    task = task_of(recorded(put(P, 'actuator.leak_area', 5e-8)),
-                   ('chamber_leak', 'ep_hysteresis', 'position_backlash'))
-    found = select(task, nothing_said)
-    assert found.chosen.effects == found.named.effects == ('chamber_leak',)
-    assert found.chosen.fit.parameters.actuator.leak_area == pytest.approx(5e-8, rel=0.1)
-    assert leaves_noise(found.chosen)
-    assert not leaves_noise(found.root)
-    assert found.trace[-1].outcome == 'accepted'
-    assert all(len(one.problem.residuals(one.fit.z)) == len(one.fit.residuals)
-               for one in found.models)
-
-
 def test_where_nothing_is_missing_the_score_test_promises_nothing():
     """So no further model is fitted."""
     task = task_of(recorded(seed=4), ('chamber_leak', 'ep_hysteresis', 'position_backlash'))
