@@ -170,6 +170,17 @@ def test_colcon_test_finds_the_tests(workspace):
     assert 'Summary: 1 test, 0 errors, 0 failures' in colcon(workspace.folder, 'test-result')
 
 
+def test_every_argument_that_two_positioners_lists_does_something():
+    """What is included in the description itself is listed as well, whatever sets it."""
+    tree = ast.parse((ROOT / 'launch' / 'two_positioners.launch.py').read_text())
+    described, = (node for node in tree.body if isinstance(node, ast.FunctionDef)
+                  and node.name == 'generate_launch_description')
+    called = {node.func.id for node in ast.walk(described)
+              if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
+    assert 'DeclareLaunchArgument' in called
+    assert 'IncludeLaunchDescription' not in called
+
+
 def launch_files() -> list[Path]:
     return sorted((ROOT / 'launch').glob('*.launch.py'))
 

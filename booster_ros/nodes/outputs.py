@@ -28,6 +28,11 @@ def stamp_message(nanoseconds: int) -> Time:
     return Time(sec=seconds, nanosec=rest)
 
 
+def is_finite(plant: Plant) -> bool:
+    """Tell whether the readings are finite numbers."""
+    return all(map(math.isfinite, plant.readings()))
+
+
 def quiet_publisher(node: Node, kind: type, topic: str) -> Publisher:
     """
     Return a publisher that does not watch for subscriptions whose QoS does not fit.
@@ -53,6 +58,7 @@ class OutputPublishers:
         self._frame = node.get_name()
         self._pressure = quiet_publisher(node, Float64, 'chamber_pressure')
         self._position = quiet_publisher(node, Float64, 'valve_position')
+        self.always_published = (self._pressure, self._position)
         self._heard_only = (
             (quiet_publisher(node, FluidPressure, 'chamber_pressure_stamped'), self._pressure_of),
             (quiet_publisher(node, JointState, 'valve_position_stamped'), self._position_of),
@@ -63,18 +69,20 @@ class OutputPublishers:
             level=DiagnosticStatus.OK, name='state', values=self._values,
             message=', '.join(f'{name} {unit}' for name, unit in OUTPUT_UNITS.items()))
 
-    def publish(self, plant: Plant, nanoseconds: int) -> bool:
+    def publish(self, plant: Plant, nanoseconds: int, thinned: bool = False) -> bool:
         """
         Publish the outputs of the tick that lies at this time of the node's clock.
 
         Nothing is published, and False returned, where they are no finite numbers: a controller
-        would calculate with them.
+        would calculate with them. Of a tick that is `thinned` there are the plain numbers only.
         """
         pressure, position = plant.readings()
         if not (math.isfinite(pressure) and math.isfinite(position)):
             return False
         self._pressure.publish(Float64(data=pressure))
         self._position.publish(Float64(data=position))
+        if thinned:
+            return True
         for publisher, message in self._heard_only:
             if publisher.get_subscription_count():
                 publisher.publish(message(plant.outputs(), self._header(nanoseconds)))

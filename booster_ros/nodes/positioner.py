@@ -10,16 +10,17 @@ next tick, parameters change between ticks. `docs/node.md` describes topics, ser
 from collections.abc import Sequence
 import sys
 
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
 from std_srvs.srv import SetBool, Trigger
 
 from ..model.simulation import Plant
 from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters, checked
-from .command_guard import CommandGuard, CommandRules
+from .command_guard import CommandRules
+from .commands import Commands
 from .declaration import (
     ParameterWatch,
     check_files,
@@ -28,10 +29,13 @@ from .declaration import (
     files_without_section,
 )
 from .diagnostics import Loss, seconds
+from .neighbours import Neighbours
 from .node_time import NodeTime
-from .outputs import OutputPublishers
+from .outputs import OutputPublishers, is_finite
 from .process import run
 from .reporting import Condition, Reporter
+from .stepping import Stepping
+from .thinning import Thinning
 from .throttle import Throttle
 from .tick_clock import NANOSECONDS, TickClock, nanoseconds
 
@@ -47,9 +51,6 @@ DIAGNOSTIC_PERIOD = 1.0
 
 WARNING_PERIOD = 10.0
 """Seconds before a warning is given again."""
-
-EVENT_DEPTH = 10
-"""Commands kept until they are handled; the last one counts."""
 
 
 class Positioner(Node):
@@ -67,25 +68,32 @@ class Positioner(Node):
         step = nanoseconds(settings.integration_step)
         self._plant = Plant(physical, step / NANOSECONDS)
         self._loss: Loss | None = None
-        self._guard = CommandGuard(_rules(settings))
         self._ticks = TickClock(
             period, step, nanoseconds(settings.max_catch_up),
             piece=max(2, nanoseconds(CATCH_UP_PIECE) // period))
-        self._put_into_initial_state()
         self._time = NodeTime(self)
         self._started = False
         self._paused = settings.start_paused
+        self._restarts = False
         self._throttle = Throttle(nanoseconds(WARNING_PERIOD))
+        self._thinning = Thinning()
+        self._stepping = Stepping(self, self._ticks.piece, self._run_ticks)
 
         self._outputs = OutputPublishers(self)
+        self._commands = Commands(
+            self, _rules(settings), self._throttle, lambda: self._reporter.report_change(),
+            lambda: None)
+        self._guard = self._commands.guard
+        self._neighbours = Neighbours(
+            self, self._commands.subscription, self._outputs.always_published)
         self._reporter = Reporter(
-            self, self._time, self._ticks, self._guard, self._watch,
-            lambda: Condition(self._paused, self._loss))
-        self._commands = self.create_subscription(
-            Float64, 'control_current', self._on_command, EVENT_DEPTH)
+            self, self._time, self._ticks, self._guard, self._watch, self._condition)
+        self._put_into_initial_state()
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(SetBool, '~/pause', self._on_pause)
-        self.create_service(Trigger, '~/step', self._on_step)
+        # a group of its own: others have their turn between two portions of a step
+        self.create_service(
+            Trigger, '~/step', self._on_step, callback_group=MutuallyExclusiveCallbackGroup())
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics, clock=self._steady_clock)
         self._catch_up = self.create_guard_condition(self._on_time)
@@ -104,6 +112,10 @@ class Positioner(Node):
         self.get_logger().info(
             f'{state} on {"/clock" if self._time.follows_clock_topic else "wall time"}: '
             f'{self._settings.publish_rate:g} ticks per second')
+
+    def _condition(self) -> Condition:
+        thinned = self._thinning.left_out if self._thins() else 0
+        return Condition(self._paused, self._loss, thinned, self._neighbours.trouble)
 
     # Time
 
@@ -139,6 +151,7 @@ class Positioner(Node):
         due = self._ticks.due(self._time.now())
         if self._ticks.jump:
             self._on_clock_jump()
+        self._thinning.note(self._ticks.backlog, self._steady_now() / NANOSECONDS)
         self._run_ticks(due)
         if self._ticks.backlog:
             self._catch_up.trigger()
@@ -153,46 +166,43 @@ class Positioner(Node):
 
     def _run_ticks(self, count: int) -> None:
         offset = self._time.stamp_offset()
-        for _ in range(count):
-            self._tick(offset)
+        thins = self._thins()
+        for number in range(count):
+            self._tick(offset, thins and number < count - 1)
 
-    def _tick(self, stamp_offset: int) -> None:
-        was_stale = self._guard.stale
-        current = self._guard.at_tick(self._ticks.simulated)
-        if self._guard.stale != was_stale:
-            self._on_stale_change()
+    def _thins(self) -> bool:
+        """Tell whether the node cannot keep up with wall time, and publishes less for that."""
+        return not (self._paused or self._time.follows_clock_topic) and self._thinning.active(
+            self._steady_now() / NANOSECONDS)
+
+    def _tick(self, stamp_offset: int, thinned: bool) -> None:
+        if self._restarts:
+            self._publish_restart(stamp_offset)
+            return
+        current = self._commands.at_tick(self._ticks.simulated)
         moment = self._ticks.next_due
         steps = self._ticks.run_tick()
         if self._loss is None:
             self._plant.advance(current, steps)
+            self._thinning.left_out += thinned
+            self._publish(moment + stamp_offset, thinned)
+
+    def _publish_restart(self, stamp_offset: int) -> None:
+        """Publish the state after a reset, which takes a place of its own on the grid of ticks."""
+        self._restarts = False
+        moment = self._ticks.skip()
+        if self._loss is None:
             self._publish(moment + stamp_offset)
 
-    def _publish(self, stamp: int) -> None:
+    def _publish(self, stamp: int, thinned: bool = False) -> None:
         """Publish the outputs, at this time of the node's clock; report a state that is lost."""
-        if not self._outputs.publish(self._plant, stamp):
-            self._loss = Loss(self._ticks.simulated, self.resolve_service_name('~/reset'))
-            self.get_logger().error(str(self._loss))
+        if not self._outputs.publish(self._plant, stamp, thinned):
+            self._on_loss()
             self._reporter.report()
 
-    # Commands
-
-    def _on_command(self, message: Float64) -> None:
-        verdict = self._guard.offer(message.data)
-        if verdict.cause is None:
-            return
-        if self._throttle.passes(verdict.cause, self._steady_now()):
-            self.get_logger().warning(self._guard.complaint(message.data, verdict))
-        self._reporter.report_change()
-
-    def _on_stale_change(self) -> None:
-        rules = self._guard.rules
-        if not self._guard.stale:
-            self.get_logger().info('control_current is being commanded again')
-        elif self._throttle.passes('stale', self._steady_now()):
-            self.get_logger().warning(
-                f'control_current is older than command_timeout ({rules.command_timeout:g} s): '
-                f'{rules.stale_command}')
-        self._reporter.report_change()
+    def _on_loss(self) -> None:
+        self._loss = Loss(self._ticks.simulated, self.resolve_service_name('~/reset'))
+        self.get_logger().error(str(self._loss))
 
     def _steady_now(self) -> int:
         return self._steady_clock.now().nanoseconds
@@ -218,12 +228,16 @@ class Positioner(Node):
         self._guard.force(state.control_current)
         self._ticks.reset()
         self._loss = None
+        if not is_finite(self._plant):
+            self._on_loss()
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._take_waiting_commands()
+        self._stepping.stop()
+        self._commands.take_waiting()
         self._put_into_initial_state()
-        last_tick = self._ticks.next_due - self._ticks.period
-        self._publish(last_tick + self._time.stamp_offset())
+        self._restarts = True
+        if self._paused:
+            self._publish_restart(self._time.stamp_offset())
         self._reporter.report()
         state = self._settings.initial_state
         response.success = self._loss is None
@@ -237,9 +251,12 @@ class Positioner(Node):
         response.success = True
         response.message = 'paused' if request.data else 'running'
         if request.data != self._paused:
+            self._stepping.stop()
             self._paused = request.data
             if self._paused:
                 self._timer.cancel()
+                if self._restarts:
+                    self._publish_restart(self._time.stamp_offset())
             else:
                 self._begin()
                 self._timer.reset()
@@ -247,34 +264,30 @@ class Positioner(Node):
             self._reporter.report()
         return response
 
-    def _on_step(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    async def _on_step(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
         if not self._paused:
             response.message = 'only a paused positioner steps: call ~/pause with data: true first'
             return response
         count = self._settings.step_ticks
-        self._take_waiting_commands()
-        self._run_ticks(count)
-        response.success = self._loss is None
+        self._commands.take_waiting()
+        self._commands.hold_back()
+        done = await self._stepping.advance(count)
+        self._commands.release()
+        response.success = self._loss is None and done == count
         response.message = str(self._loss) if self._loss else (
-            f'{count} tick{"s" if count > 1 else ""}, simulated time '
+            f'{done} tick{"s" if done > 1 else ""}, simulated time '
             f'{seconds(self._ticks.simulated)} s')
+        if done < count:
+            response.message = f'ended by ~/reset or ~/pause after {response.message}'
         return response
-
-    def _take_waiting_commands(self) -> None:
-        """
-        Take over the commands that came before a request, for a step to use or a reset to forget.
-
-        The executor asks for waiting messages before it asks for requests: a command and a request
-        that both arrive between these two would be handled in the wrong order.
-        """
-        waiting = self._commands.handle
-        with waiting:
-            while (taken := waiting.take_message(Float64, False)) is not None:
-                self._on_command(taken[0])
 
     # Diagnostics
 
     def _on_diagnostics(self) -> None:
+        for sentence in self._neighbours.look():
+            self.get_logger().warning(sentence)
         self._reporter.report_regularly()
         if self._time.follows_clock_topic and self._time.now() == 0 and self._throttle.passes(
                 'no /clock', self._steady_now()):

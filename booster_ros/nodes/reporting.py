@@ -19,6 +19,7 @@ from .diagnostics import (
     parameter_report,
     simulation_report,
     time_report,
+    topic_report,
 )
 from .node_time import NodeTime
 from .outputs import quiet_publisher
@@ -26,10 +27,15 @@ from .tick_clock import TickClock
 
 
 class Condition(NamedTuple):
-    """What a positioner knows of itself: whether a service paused it, and what it has lost."""
+    """What a positioner knows of itself."""
 
     paused: bool
+    """A service paused it."""
     loss: Loss | None
+    thinned: int
+    """Ticks left out of some topics, because the node cannot keep up; 0 where it does."""
+    trouble: list[str]
+    """What other nodes are in the way of."""
 
 
 class Reporter:
@@ -72,12 +78,13 @@ class Reporter:
 
     def _reports(self) -> list[Report]:
         now = self._time.now()
-        paused, loss = self._condition()
+        paused, loss, thinned, trouble = self._condition()
         clock = ClockState(
             self._time.follows_clock_topic, now > 0, now == self._clock_reported, paused)
         return [
-            time_report(clock, self._ticks, self._late_reported),
+            time_report(clock, self._ticks, self._late_reported, thinned),
             simulation_report(loss),
             command_report(self._guard, self._bad_reported),
             parameter_report(self._watch.changes, self._watch.last_change),
+            topic_report(trouble),
         ]
