@@ -65,7 +65,7 @@ class Commands:
         that both arrive between these two would be handled in the wrong order.
         """
         while (message := self.take()) is not None:
-            self._handle(message)
+            self.offer(message.data)
 
     def take(self) -> Float64 | None:
         """Return the next command that waits to be handled, None if there is none."""
@@ -76,7 +76,7 @@ class Commands:
 
     def hold_back(self) -> None:
         """Let commands wait from now on."""
-        self._held = []
+        self._held = self._held or []
 
     def release(self) -> None:
         """Handle the commands that have waited, and those to come at once."""
@@ -88,15 +88,16 @@ class Commands:
         if self._held is not None:
             self._held.append(message)
             return
-        self._handle(message)
+        self.offer(message.data)
         self._arrived()
 
-    def _handle(self, message: Float64) -> None:
-        verdict = self.guard.offer(message.data)
+    def offer(self, current: float) -> None:
+        """Take a current (A) over at the next tick, or complain of it."""
+        verdict = self.guard.offer(current)
         if verdict.cause is None:
             return
         if self._throttle.passes(verdict.cause, self._clock.now().nanoseconds):
-            self._logger.warning(self.guard.complaint(message.data, verdict))
+            self._logger.warning(self.guard.complaint(current, verdict))
         self._changed()
 
     def _on_stale_change(self) -> None:

@@ -3,7 +3,7 @@
 """
 What `/diagnostics` says about a positioner.
 
-One report each on time, simulation, command, parameters and topics.
+One report each on time, simulation, command, parameters, topics and faults.
 """
 
 from collections.abc import Sequence
@@ -129,6 +129,14 @@ def topic_report(trouble: Sequence[str]) -> Report:
     if not trouble:
         return Report(OK, 'topics', 'nobody is in the way', {})
     return Report(WARN, 'topics', '; '.join(trouble), {'in the way': str(len(trouble))})
+
+
+def fault_report(faults: Sequence[str], to_come: int) -> Report:
+    """Report on the faults that are on, and how many are to come."""
+    values = {'to come': str(to_come)}
+    if not faults:
+        return Report(OK, 'faults', 'none on', values)
+    return Report(WARN, 'faults', f'on: {", ".join(faults)}', values)
 
 
 def diagnostic_message(reports: Sequence[Report], node: str, stamp: Time) -> DiagnosticArray:

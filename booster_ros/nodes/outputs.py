@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the positioner publishes at every tick, and as which messages."""
 
+from collections.abc import Callable, Mapping
 import math
 
 from builtin_interfaces.msg import Time
@@ -64,29 +65,39 @@ class OutputPublishers:
             (quiet_publisher(node, JointState, 'valve_position_stamped'), self._position_of),
             (quiet_publisher(node, DiagnosticArray, '~/state'), self._state_of),
         )
+        self.faults: Mapping[str, float] = {}
+        """The faults that are on, with their shares of full strength."""
+        self._faults = DiagnosticStatus(level=DiagnosticStatus.OK, name='faults')
         self._values = [KeyValue(key=name) for name in Outputs._fields]
         self._status = DiagnosticStatus(
             level=DiagnosticStatus.OK, name='state', values=self._values,
             message=', '.join(f'{name} {unit}' for name, unit in OUTPUT_UNITS.items()))
 
-    def publish(self, plant: Plant, nanoseconds: int, thinned: bool = False) -> bool:
+    def listeners(self) -> int:
+        """Return how many subscriptions there are to outputs."""
+        publishers = (*self.always_published, *(publisher for publisher, _ in self._heard_only))
+        return sum(publisher.get_subscription_count() for publisher in publishers)
+
+    def publish(
+        self, outputs: Callable[[], Outputs], readings: tuple[float, float], nanoseconds: int,
+        thinned: bool = False,
+    ) -> None:
         """
         Publish the outputs of the tick that lies at this time of the node's clock.
 
-        Nothing is published, and False returned, where they are no finite numbers: a controller
-        would calculate with them. Of a tick that is `thinned` there are the plain numbers only.
+        `readings` are what the sensors show, Pa gauge and m. Of a tick that is `thinned` there
+        are the plain numbers only.
         """
-        pressure, position = plant.readings()
-        if not (math.isfinite(pressure) and math.isfinite(position)):
-            return False
+        pressure, position = readings
         self._pressure.publish(Float64(data=pressure))
         self._position.publish(Float64(data=position))
         if thinned:
-            return True
+            return
         for publisher, message in self._heard_only:
             if publisher.get_subscription_count():
-                publisher.publish(message(plant.outputs(), self._header(nanoseconds)))
-        return True
+                seen = outputs()._replace(
+                    measured_chamber_pressure=pressure, measured_valve_position=position)
+                publisher.publish(message(seen, self._header(nanoseconds)))
 
     def _header(self, nanoseconds: int) -> Header:
         return Header(stamp=stamp_message(nanoseconds), frame_id=self._frame)
@@ -103,4 +114,7 @@ class OutputPublishers:
     def _state_of(self, outputs: Outputs, header: Header) -> DiagnosticArray:
         for entry, value in zip(self._values, outputs, strict=True):
             entry.value = repr(value)
-        return DiagnosticArray(header=header, status=[self._status])
+        self._faults.message = ', '.join(self.faults)
+        self._faults.values = [
+            KeyValue(key=name, value=repr(share)) for name, share in self.faults.items()]
+        return DiagnosticArray(header=header, status=[self._status, self._faults])

@@ -7,12 +7,14 @@ Everything happens in one thread, between two ticks or in a tick: commands that 
 next tick, parameters change between ticks. `docs/node.md` describes topics, services, time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import sys
+from typing import Any
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
@@ -23,16 +25,21 @@ from .command_guard import CommandRules
 from .commands import Commands
 from .declaration import (
     ParameterWatch,
+    as_declared,
     check_files,
     declare,
     effective_values,
     files_without_section,
 )
 from .diagnostics import Loss, seconds
+from .faults import Faults, planned
+from .kick_off import KickOff
 from .neighbours import Neighbours
 from .node_time import NodeTime
 from .outputs import OutputPublishers, is_finite
+from .parameter_service import AllOrNone
 from .process import run
+from .ready import Ready
 from .reporting import Condition, Reporter
 from .stepping import Stepping
 from .thinning import Thinning
@@ -54,15 +61,32 @@ WARNING_PERIOD = 10.0
 
 
 class Positioner(Node):
-    """Simulates the positioner on the node's clock; ParameterError for bad parameters."""
+    """
+    Simulates the positioner on the node's clock; ParameterError for bad parameters.
 
-    def __init__(self, arguments: Sequence[str]) -> None:
-        """Start with the parameters given; `arguments` is the command line, for messages only."""
-        super().__init__('positioner', automatically_declare_parameters_from_overrides=True)
+    Several fit into one process, and into one executor that runs one callback at a time.
+    """
+
+    def __init__(
+        self, arguments: Sequence[str] = (), *, node_name: str = 'positioner',
+        namespace: str | None = None, parameter_overrides: Mapping[str, Any] | None = None,
+        context: Context | None = None,
+    ) -> None:
+        """
+        Start with the parameters given, in files or as `parameter_overrides` (by dotted name).
+
+        `arguments` is the command line, for messages only. Without a `context` it is rclpy's.
+        """
+        super().__init__(
+            node_name, namespace=namespace, context=context,
+            parameter_overrides=_parameters(parameter_overrides or {}),
+            automatically_declare_parameters_from_overrides=True, start_parameter_services=False)
         check_files(arguments, self.get_fully_qualified_name(), checked)
         physical, settings = declare(self)
         self._settings = settings
-        self._watch = ParameterWatch(self, self._on_parameters)
+        self._watch = ParameterWatch(
+            self, self._on_parameters, lambda parameters: planned(parameters.node.faults))
+        self._parameter_service = AllOrNone(self, as_declared)
         self.add_post_set_parameters_callback(self._on_clock_choice)
         period = round(NANOSECONDS / settings.publish_rate)
         step = nanoseconds(settings.integration_step)
@@ -73,7 +97,7 @@ class Positioner(Node):
             piece=max(2, nanoseconds(CATCH_UP_PIECE) // period))
         self._time = NodeTime(self)
         self._started = False
-        self._paused = settings.start_paused
+        self._paused = settings.start_paused or settings.step_on_command
         self._restarts = False
         self._throttle = Throttle(nanoseconds(WARNING_PERIOD))
         self._thinning = Thinning()
@@ -82,12 +106,14 @@ class Positioner(Node):
         self._outputs = OutputPublishers(self)
         self._commands = Commands(
             self, _rules(settings), self._throttle, lambda: self._reporter.report_change(),
-            lambda: None)
+            self._on_command)
         self._guard = self._commands.guard
         self._neighbours = Neighbours(
             self, self._commands.subscription, self._outputs.always_published)
         self._reporter = Reporter(
             self, self._time, self._ticks, self._guard, self._watch, self._condition)
+        self._faults = Faults(
+            self, self._plant, self._ticks, self._time, settings, self._on_faults)
         self._put_into_initial_state()
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(SetBool, '~/pause', self._on_pause)
@@ -97,6 +123,10 @@ class Positioner(Node):
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics, clock=self._steady_clock)
         self._catch_up = self.create_guard_condition(self._on_time)
+        self._ready = Ready(self)
+        self._kick_off = KickOff(self, self._outputs, self._kick)
+        if settings.step_on_command:
+            self._kick_off.begin()
         self._start_timer()
         self._announce(arguments)
 
@@ -115,7 +145,14 @@ class Positioner(Node):
 
     def _condition(self) -> Condition:
         thinned = self._thinning.left_out if self._thins() else 0
-        return Condition(self._paused, self._loss, thinned, self._neighbours.trouble)
+        return Condition(
+            self._paused, self._loss, thinned, self._neighbours.trouble, self._faults.on,
+            self._faults.waiting)
+
+    def _on_faults(self) -> None:
+        self._outputs.faults = self._faults.shares
+        self.get_logger().info(f'faults on: {", ".join(self._faults.on) or "none"}')
+        self._reporter.report()
 
     # Time
 
@@ -180,6 +217,8 @@ class Positioner(Node):
             self._publish_restart(stamp_offset)
             return
         current = self._commands.at_tick(self._ticks.simulated)
+        if self._loss is None:
+            self._faults.before_tick()
         moment = self._ticks.next_due
         steps = self._ticks.run_tick()
         if self._loss is None:
@@ -196,9 +235,12 @@ class Positioner(Node):
 
     def _publish(self, stamp: int, thinned: bool = False) -> None:
         """Publish the outputs, at this time of the node's clock; report a state that is lost."""
-        if not self._outputs.publish(self._plant, stamp, thinned):
+        if not is_finite(self._plant):
             self._on_loss()
             self._reporter.report()
+            return
+        self._readings = self._faults.read()
+        self._outputs.publish(self._plant.outputs, self._readings, stamp, thinned)
 
     def _on_loss(self) -> None:
         self._loss = Loss(self._ticks.simulated, self.resolve_service_name('~/reset'))
@@ -210,20 +252,61 @@ class Positioner(Node):
     # Parameters
 
     def _on_parameters(self, parameters: Parameters) -> None:
+        if parameters.node.step_on_command and not self._settings.step_on_command:
+            self._kick_off.begin()
         self._settings = parameters.node
         if self._guard.follow(_rules(parameters.node)):
             self.get_logger().warning(
                 f'current_limits now limit the current in force to {self._guard.current:g} A')
         self._ticks.max_catch_up = nanoseconds(parameters.node.max_catch_up)
-        if parameters.physical != self._plant.parameters:
-            self._plant.parameters = parameters.physical
+        self._faults.follow(parameters.physical, parameters.node)
         self.get_logger().info(f'parameters changed: {self._watch.last_change}')
         self._reporter.report()
+
+    # For who runs the node instead of an executor
+
+    def command(self, current: float) -> None:
+        """Command a current, A, as a message would that arrives now."""
+        self._commands.offer(current)
+
+    def take_commands(self) -> None:
+        """Take over the commands that have arrived."""
+        self._commands.take_waiting()
+
+    def advance(self, ticks: int) -> None:
+        """Run and publish so many ticks of a paused positioner."""
+        self._run_ticks(ticks)
+
+    def restart(self) -> None:
+        """Go to the initial state of a paused positioner and publish it."""
+        self._on_reset(Trigger.Request(), Trigger.Response())
+
+    def publish_again(self) -> None:
+        """Publish the state of a paused positioner once more, with a stamp of its own."""
+        self._kick()
+
+    def sample(self) -> tuple[float, float, float, float]:
+        """Return simulated time, s, current in force, A, and what the sensors read, Pa and m."""
+        return self._ticks.simulated / NANOSECONDS, self._guard.current, *self._readings
+
+    def inject(self, fields: Mapping[str, Any]) -> None:
+        """Add a fault, as `~/inject` does; ParameterError where that cannot be."""
+        self._faults.inject(fields)
+
+    def clear(self) -> None:
+        """Switch all faults off, as `~/clear` does."""
+        self._faults.clear()
+
+    @property
+    def faults(self) -> list[str]:
+        """The names of the faults that are on."""
+        return self._faults.on
 
     # Services
 
     def _put_into_initial_state(self) -> None:
         state = self._settings.initial_state
+        self._faults.restart()
         self._plant.reset(state.chamber_pressure, state.valve_position, state.control_current)
         self._guard.force(state.control_current)
         self._ticks.reset()
@@ -233,6 +316,7 @@ class Positioner(Node):
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._stepping.stop()
+        self._kick_off.end()
         self._commands.take_waiting()
         self._put_into_initial_state()
         self._restarts = True
@@ -264,6 +348,28 @@ class Positioner(Node):
             self._reporter.report()
         return response
 
+    def _on_command(self) -> None:
+        """Advance, where each command that arrives is to be followed by its ticks."""
+        if not (self._paused and self._settings.step_on_command):
+            return
+        count = self._settings.step_ticks
+        if count <= self._ticks.piece or self.executor is None:
+            self._run_ticks(count)
+            return
+        self._commands.hold_back()
+        self.executor.create_task(self._advance, count)
+
+    async def _advance(self, count: int) -> int:
+        self._commands.hold_back()
+        done = await self._stepping.advance(count)
+        self._commands.release()
+        return done
+
+    def _kick(self) -> None:
+        """Publish the state as it is: a controller that answers to outputs has nothing before."""
+        if self._paused:
+            self._publish_restart(self._time.stamp_offset())
+
     async def _on_step(
         self, request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
@@ -272,9 +378,7 @@ class Positioner(Node):
             return response
         count = self._settings.step_ticks
         self._commands.take_waiting()
-        self._commands.hold_back()
-        done = await self._stepping.advance(count)
-        self._commands.release()
+        done = await self._advance(count)
         response.success = self._loss is None and done == count
         response.message = str(self._loss) if self._loss else (
             f'{done} tick{"s" if done > 1 else ""}, simulated time '
@@ -293,6 +397,11 @@ class Positioner(Node):
                 'no /clock', self._steady_now()):
             self.get_logger().warning(
                 'use_sim_time is true, but nothing has come on /clock: simulated time stands')
+
+
+def _parameters(values: Mapping[str, Any]) -> list[Parameter]:
+    return [Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+            for name, value in values.items()]
 
 
 def _rules(settings: NodeSettings) -> CommandRules:

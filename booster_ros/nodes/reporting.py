@@ -16,6 +16,7 @@ from .diagnostics import (
     Report,
     command_report,
     diagnostic_message,
+    fault_report,
     parameter_report,
     simulation_report,
     time_report,
@@ -36,6 +37,10 @@ class Condition(NamedTuple):
     """Ticks left out of some topics, because the node cannot keep up; 0 where it does."""
     trouble: list[str]
     """What other nodes are in the way of."""
+    faults: list[str]
+    """The faults that are on."""
+    to_come: int
+    """How many faults are still to come."""
 
 
 class Reporter:
@@ -78,7 +83,7 @@ class Reporter:
 
     def _reports(self) -> list[Report]:
         now = self._time.now()
-        paused, loss, thinned, trouble = self._condition()
+        paused, loss, thinned, trouble, faults, to_come = self._condition()
         clock = ClockState(
             self._time.follows_clock_topic, now > 0, now == self._clock_reported, paused)
         return [
@@ -87,4 +92,5 @@ class Reporter:
             command_report(self._guard, self._bad_reported),
             parameter_report(self._watch.changes, self._watch.last_change),
             topic_report(trouble),
+            fault_report(faults, to_come),
         ]

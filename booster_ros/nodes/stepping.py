@@ -17,17 +17,20 @@ class Stepping:
         self._run = run
         self._left = 0
 
-    @property
-    def under_way(self) -> bool:
-        """Whether ticks of a request are still to come."""
-        return self._left > 0
-
     def stop(self) -> None:
         """Run no more ticks of the request that is under way."""
         self._left = 0
 
     async def advance(self, count: int) -> int:
-        """Run `count` ticks and return how many there were: fewer if `stop` was called."""
+        """
+        Run `count` ticks and return how many there were: fewer if `stop` was called.
+
+        Requests are served one after the other.
+        """
+        executor = self._node.executor
+        assert executor is not None
+        while self._left > 0:
+            await _Turn(executor)
         self._left = count
         done = 0
         while self._left > 0:
@@ -35,8 +38,7 @@ class Stepping:
             self._run(portion)
             done += portion
             self._left -= portion
-            executor = self._node.executor
-            if self._left > 0 and executor is not None:
+            if self._left > 0:
                 await _Turn(executor)
         self._left = 0
         return done
