@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 import math
 import statistics
 
@@ -20,6 +21,7 @@ from booster_ros.model.parameters import ParameterError, from_values, to_values
 from booster_ros.model.simulation import Plant
 
 BASE = from_values({})
+IDEAL = Imperfection()
 
 
 def changed(*acting):
@@ -187,7 +189,7 @@ def test_a_timetable_reads_numbers_as_ros_does_and_a_file_as_a_text(tmp_path):
         read_timetable_file(str(tmp_path / 'none.yaml'))
 
 
-def read(values, *faults, seed=1, own=Imperfection()):
+def read(values, *faults, seed=1, own=IDEAL):
     sensor = Sensor('position', seed)
     acting = [(injection({'fault': f'position_sensor_{kind}', **more}), 1.0)
               for kind, more in faults]
@@ -205,7 +207,7 @@ def test_readings_are_what_the_fault_says():
     assert max(abs(a - b) for a, b in zip(stepped, ramp)) == pytest.approx(5e-4, rel=0.03)
     held = read(ramp, ('dropout', {'strength': 2.0}))
     assert 140 < sum(a != b for a, b in zip(held, ramp)) < 260  # 0.2 of 1000
-    assert all(b in (a, ramp[k]) for k, (a, b) in enumerate(zip(held, held[1:]), 1))
+    assert all(b in (a, ramp[k]) for k, (a, b) in enumerate(pairwise(held), 1))
     spiked = [a - b for a, b in zip(read(ramp, ('spike', {'size': 2e-3})), ramp)]
     assert {round(1e3 * value) for value in spiked} == {-2, 0, 2}
     assert 2 <= sum(abs(value) > 1e-3 for value in spiked) <= 25  # 0.01 of 1000

@@ -73,8 +73,8 @@ def test_two_of_one_name_on_the_same_topics_are_told_of_each_other(ros_client):
 
 def test_a_node_that_cannot_keep_up_leaves_large_topics_out_and_says_so(ros_client):
     with positioner_here(*with_parameters(start_paused='true')) as node:
-        node._thinning._until = float('inf')
-        node._paused = False
+        node._ticking.thinning._until = float('inf')
+        node._ticking.paused = False
         states = ros_client.listen('/positioner/state', DiagnosticArray)
         plain = ros_client.listen('chamber_pressure', Float64)
         publisher = node._outputs.always_published[0]

@@ -109,8 +109,8 @@ def condition(text: Any) -> Condition:
     parts = text.split() if isinstance(text, str) else []
     if len(parts) != 3 or parts[1] not in _RELATIONS:
         raise ParameterError(
-            f'a condition is an output, one of {" ".join(_RELATIONS)}, and a number (valve_position '
-            f'> 0.008), got {shown(text)}')
+            f'a condition is an output, one of {" ".join(_RELATIONS)}, and a number '
+            f'(valve_position > 0.008), got {shown(text)}')
     if parts[0] not in Outputs._fields:
         raise ParameterError(
             unknown_name(parts[0], Outputs._fields).replace('parameter', 'output', 1))

@@ -66,6 +66,8 @@ def descriptor(description: Description, read_only: bool = False) -> ParameterDe
     limits = f'{description.low:g} to {description.high:g} {description.unit}'
     if description.choices:
         limits = f'one of {", ".join(description.choices)}'
+    elif isinstance(description.default, str):
+        limits = 'text'
     elif isinstance(description.default, bool):
         limits = 'true or false'
     made = ParameterDescriptor(

@@ -67,6 +67,7 @@ class Faults:
         if settings.measurement.seed != before.measurement.seed:
             self._new_sensors()
         self._act()
+        self._tell()
 
     def restart(self) -> None:
         """Begin the timetable anew, with all other faults off."""
@@ -83,9 +84,9 @@ class Faults:
         self._act()
         self._tell()
 
-    def read(self) -> tuple[float, float]:
-        """Return the next readings of the sensors, Pa gauge and m: once for each sample."""
-        pressure, position = self._plant.readings()
+    def read(self, ideal: tuple[float, float]) -> tuple[float, float]:
+        """Return the readings, Pa gauge and m, for the model's: once for each sample."""
+        pressure, position = ideal
         acting, given = self._acting, self._settings.measurement
         return (
             self._pressure.read(

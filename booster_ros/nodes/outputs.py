@@ -15,7 +15,6 @@ from std_msgs.msg import Float64, Header
 
 from ..model.gas import ATMOSPHERE
 from ..model.outputs import OUTPUT_UNITS, Outputs
-from ..model.simulation import Plant
 from .tick_clock import NANOSECONDS
 
 JOINT_NAME = 'valve_stem'
@@ -29,9 +28,9 @@ def stamp_message(nanoseconds: int) -> Time:
     return Time(sec=seconds, nanosec=rest)
 
 
-def is_finite(plant: Plant) -> bool:
-    """Tell whether the readings are finite numbers."""
-    return all(map(math.isfinite, plant.readings()))
+def are_finite(readings: tuple[float, float]) -> bool:
+    """Tell whether readings are finite numbers."""
+    return all(map(math.isfinite, readings))
 
 
 def quiet_publisher(node: Node, kind: type, topic: str) -> Publisher:

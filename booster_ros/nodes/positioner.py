@@ -20,8 +20,8 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from ..model.simulation import Plant
-from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters, checked
-from .command_guard import CommandRules
+from ..parameters.schema import ALL_DESCRIPTIONS, Parameters, checked
+from .command_guard import rules_of
 from .commands import Commands
 from .declaration import (
     ParameterWatch,
@@ -36,15 +36,15 @@ from .faults import Faults, planned
 from .kick_off import KickOff
 from .neighbours import Neighbours
 from .node_time import NodeTime
-from .outputs import OutputPublishers, is_finite
+from .outputs import OutputPublishers, are_finite
 from .parameter_service import AllOrNone
 from .process import run
 from .ready import Ready
 from .reporting import Condition, Reporter
 from .stepping import Stepping
-from .thinning import Thinning
 from .throttle import Throttle
 from .tick_clock import NANOSECONDS, TickClock, nanoseconds
+from .ticking import Ticking
 
 DESCRIPTION = 'Simulate an electro-pneumatic valve positioner as a ROS 2 node.'
 EXAMPLE = '--ros-args --params-file positioner.yaml -p publish_rate:=200.0\n' \
@@ -87,7 +87,6 @@ class Positioner(Node):
         self._watch = ParameterWatch(
             self, self._on_parameters, lambda parameters: planned(parameters.node.faults))
         self._parameter_service = AllOrNone(self, as_declared)
-        self.add_post_set_parameters_callback(self._on_clock_choice)
         period = round(NANOSECONDS / settings.publish_rate)
         step = nanoseconds(settings.integration_step)
         self._plant = Plant(physical, step / NANOSECONDS)
@@ -96,16 +95,16 @@ class Positioner(Node):
             period, step, nanoseconds(settings.max_catch_up),
             piece=max(2, nanoseconds(CATCH_UP_PIECE) // period))
         self._time = NodeTime(self)
-        self._started = False
-        self._paused = settings.start_paused or settings.step_on_command
         self._restarts = False
         self._throttle = Throttle(nanoseconds(WARNING_PERIOD))
-        self._thinning = Thinning()
+        self._ticking = Ticking(
+            self, self._time, self._ticks, self._throttle, self._run_ticks,
+            paused=settings.start_paused or settings.step_on_command)
         self._stepping = Stepping(self, self._ticks.piece, self._run_ticks)
 
         self._outputs = OutputPublishers(self)
         self._commands = Commands(
-            self, _rules(settings), self._throttle, lambda: self._reporter.report_change(),
+            self, rules_of(settings), self._throttle, lambda: self._reporter.report_change(),
             self._on_command)
         self._guard = self._commands.guard
         self._neighbours = Neighbours(
@@ -122,12 +121,11 @@ class Positioner(Node):
             Trigger, '~/step', self._on_step, callback_group=MutuallyExclusiveCallbackGroup())
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics, clock=self._steady_clock)
-        self._catch_up = self.create_guard_condition(self._on_time)
         self._ready = Ready(self)
         self._kick_off = KickOff(self, self._outputs, self._kick)
         if settings.step_on_command:
             self._kick_off.begin()
-        self._start_timer()
+        self._ticking.start()
         self._announce(arguments)
 
     def _announce(self, arguments: Sequence[str]) -> None:
@@ -138,79 +136,28 @@ class Positioner(Node):
         values = {name: self.get_parameter(name).value for name in ALL_DESCRIPTIONS}
         self.get_logger().info(
             f'parameters in force (* other than the default):\n{effective_values(values)}')
-        state = 'paused' if self._paused else 'running'
+        state = 'paused' if self._ticking.paused else 'running'
         self.get_logger().info(
             f'{state} on {"/clock" if self._time.follows_clock_topic else "wall time"}: '
             f'{self._settings.publish_rate:g} ticks per second')
 
     def _condition(self) -> Condition:
-        thinned = self._thinning.left_out if self._thins() else 0
+        thinned = self._ticking.thinning.left_out if self._ticking.thins else 0
         return Condition(
-            self._paused, self._loss, thinned, self._neighbours.trouble, self._faults.on,
+            self._ticking.paused, self._loss, thinned, self._neighbours.trouble, self._faults.on,
             self._faults.waiting)
 
     def _on_faults(self) -> None:
-        self._outputs.faults = self._faults.shares
         self.get_logger().info(f'faults on: {", ".join(self._faults.on) or "none"}')
         self._reporter.report()
 
-    # Time
-
-    def _start_timer(self) -> None:
-        """Tick from now on, on the clock that the node follows now."""
-        self._begin()
-        self._timer = self.create_timer(1.0, self._on_time, clock=self._time.clock)
-        self._timer.timer_period_ns = self._ticks.period
-        self._timer.reset()
-        if self._paused:
-            self._timer.cancel()
-
-    def _begin(self) -> None:
-        """Owe no ticks for the past. Simulated time shows 0 until something comes on /clock."""
-        now = self._time.now()
-        self._started = now > 0
-        self._ticks.start(now)
-
-    def _on_clock_choice(self, applied: list[Parameter]) -> None:
-        if any(parameter.name == 'use_sim_time' for parameter in applied):
-            self.destroy_timer(self._timer)
-            self._start_timer()
-
-    def _on_time(self) -> None:
-        """Run the ticks that are due."""
-        if self._paused:
-            return
-        if not self._started:
-            self._begin()
-            self._timer.reset()
-            self.get_logger().info('/clock has begun')
-            return
-        due = self._ticks.due(self._time.now())
-        if self._ticks.jump:
-            self._on_clock_jump()
-        self._thinning.note(self._ticks.backlog, self._steady_now() / NANOSECONDS)
-        self._run_ticks(due)
-        if self._ticks.backlog:
-            self._catch_up.trigger()
-
-    def _on_clock_jump(self) -> None:
-        self._timer.reset()
-        jump = self._ticks.jump / NANOSECONDS
-        kind = 'jump backwards' if jump < 0.0 else 'jump forwards'
-        if self._throttle.passes(kind, self._steady_now()):
-            self.get_logger().warning(
-                f'the clock jumped by {jump:+.3f} s: not simulated, the state is kept')
+    # Ticks
 
     def _run_ticks(self, count: int) -> None:
         offset = self._time.stamp_offset()
-        thins = self._thins()
+        thins = self._ticking.thins
         for number in range(count):
             self._tick(offset, thins and number < count - 1)
-
-    def _thins(self) -> bool:
-        """Tell whether the node cannot keep up with wall time, and publishes less for that."""
-        return not (self._paused or self._time.follows_clock_topic) and self._thinning.active(
-            self._steady_now() / NANOSECONDS)
 
     def _tick(self, stamp_offset: int, thinned: bool) -> None:
         if self._restarts:
@@ -223,7 +170,7 @@ class Positioner(Node):
         steps = self._ticks.run_tick()
         if self._loss is None:
             self._plant.advance(current, steps)
-            self._thinning.left_out += thinned
+            self._ticking.thinning.left_out += thinned
             self._publish(moment + stamp_offset, thinned)
 
     def _publish_restart(self, stamp_offset: int) -> None:
@@ -235,11 +182,13 @@ class Positioner(Node):
 
     def _publish(self, stamp: int, thinned: bool = False) -> None:
         """Publish the outputs, at this time of the node's clock; report a state that is lost."""
-        if not is_finite(self._plant):
+        ideal = self._plant.readings()
+        if not are_finite(ideal):
             self._on_loss()
             self._reporter.report()
             return
-        self._readings = self._faults.read()
+        self._readings = self._faults.read(ideal)
+        self._outputs.faults = self._faults.shares
         self._outputs.publish(self._plant.outputs, self._readings, stamp, thinned)
 
     def _on_loss(self) -> None:
@@ -255,7 +204,7 @@ class Positioner(Node):
         if parameters.node.step_on_command and not self._settings.step_on_command:
             self._kick_off.begin()
         self._settings = parameters.node
-        if self._guard.follow(_rules(parameters.node)):
+        if self._guard.follow(rules_of(parameters.node)):
             self.get_logger().warning(
                 f'current_limits now limit the current in force to {self._guard.current:g} A')
         self._ticks.max_catch_up = nanoseconds(parameters.node.max_catch_up)
@@ -311,7 +260,7 @@ class Positioner(Node):
         self._guard.force(state.control_current)
         self._ticks.reset()
         self._loss = None
-        if not is_finite(self._plant):
+        if not are_finite(self._plant.readings()):
             self._on_loss()
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -320,7 +269,7 @@ class Positioner(Node):
         self._commands.take_waiting()
         self._put_into_initial_state()
         self._restarts = True
-        if self._paused:
+        if self._ticking.paused:
             self._publish_restart(self._time.stamp_offset())
         self._reporter.report()
         state = self._settings.initial_state
@@ -334,23 +283,18 @@ class Positioner(Node):
     def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         response.success = True
         response.message = 'paused' if request.data else 'running'
-        if request.data != self._paused:
+        if request.data != self._ticking.paused:
             self._stepping.stop()
-            self._paused = request.data
-            if self._paused:
-                self._timer.cancel()
-                if self._restarts:
-                    self._publish_restart(self._time.stamp_offset())
-            else:
-                self._begin()
-                self._timer.reset()
+            self._ticking.pause(request.data)
+            if request.data and self._restarts:
+                self._publish_restart(self._time.stamp_offset())
             self.get_logger().info(response.message)
             self._reporter.report()
         return response
 
     def _on_command(self) -> None:
         """Advance, where each command that arrives is to be followed by its ticks."""
-        if not (self._paused and self._settings.step_on_command):
+        if not (self._ticking.paused and self._settings.step_on_command):
             return
         count = self._settings.step_ticks
         if count <= self._ticks.piece or self.executor is None:
@@ -367,13 +311,13 @@ class Positioner(Node):
 
     def _kick(self) -> None:
         """Publish the state as it is: a controller that answers to outputs has nothing before."""
-        if self._paused:
+        if self._ticking.paused:
             self._publish_restart(self._time.stamp_offset())
 
     async def _on_step(
         self, request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        if not self._paused:
+        if not self._ticking.paused:
             response.message = 'only a paused positioner steps: call ~/pause with data: true first'
             return response
         count = self._settings.step_ticks
@@ -402,12 +346,6 @@ class Positioner(Node):
 def _parameters(values: Mapping[str, Any]) -> list[Parameter]:
     return [Parameter(name, value=list(value) if isinstance(value, tuple) else value)
             for name, value in values.items()]
-
-
-def _rules(settings: NodeSettings) -> CommandRules:
-    low, high = settings.current_limits
-    return CommandRules(
-        low, high, settings.invalid_current, settings.command_timeout, settings.stale_command)
 
 
 def main(args: Sequence[str] | None = None) -> int:

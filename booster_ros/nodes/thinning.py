@@ -6,7 +6,7 @@ PATIENCE = 2.0
 """Seconds of real time behind without a break after which topics are thinned out."""
 
 HOLD = 30.0
-"""Seconds for which they stay so once the node has caught up: what held it up may still be there."""
+"""Seconds for which they stay so once it has caught up: what held it up may still be there."""
 
 
 class Thinning:

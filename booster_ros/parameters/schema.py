@@ -41,10 +41,10 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
             'start_paused', False, '-', 'wait for ~/step or ~/pause before the first tick',
             0.0, 1.0, 'a positioner runs'),
         Description(
-            'step_on_command', False, '-', 'start paused, and advance by step_ticks ticks for each '
-            'command that arrives while paused', 0.0, 1.0, 'a positioner runs'),
+            'step_on_command', False, '-', 'start paused, and advance by step_ticks ticks for '
+            'each command that arrives while paused', 0.0, 1.0, 'a positioner runs'),
         Description(
-            'step_ticks', 1, '-', 'ticks that one call of ~/step, or one command, advances', 1.0, 1e9,
+            'step_ticks', 1, '-', 'ticks that a call of ~/step, or a command, advances', 1.0, 1e9,
             'the finest lockstep'),
         Description(
             'current_limits', (0.0, 2e-3), 'A', 'lowest and highest current taken as valid',

@@ -19,6 +19,9 @@ class Band(NamedTuple):
     valve_position: float = 1e-5
 
 
+DEFAULT_BAND = Band()
+
+
 class Bench(ABC):
     """A valve that is advanced tick by tick; all times are simulated seconds."""
 
@@ -72,7 +75,7 @@ class Bench(ABC):
 
     def settle(
         self, controller: Controller | None = None, hold: float = 1.0, timeout: float = 60.0,
-        band: Band = Band(),
+        band: Band = DEFAULT_BAND,
     ) -> Sample:
         """
         Advance until pressure and position have stayed within `band` for `hold` seconds.

@@ -47,9 +47,8 @@ class RemoteValve(Bench):
     def __init__(self, name: str = '/positioner', domain: int | None = None) -> None:
         """Wait until the positioner of this full name is ready, and reset it."""
         super().__init__()
-        self.log: list[str] = []
-        """What nodes have logged so far, a line for each message."""
-        self._name = name
+        self.name = name
+        """The full name of the positioner."""
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain)
         namespace = name.rpartition('/')[0] or '/'
@@ -69,20 +68,28 @@ class RemoteValve(Bench):
                 Float64, 'chamber_pressure', lambda m: self._pressures.append(m.data), _DEPTH),
             self._node.create_subscription(
                 Float64, 'valve_position', lambda m: self._positions.append(m.data), _DEPTH))
-        logs = self._node.create_subscription(Log, '/rosout', self._on_log, _LOGS)
         self._wait_ready()
-        self._node.destroy_subscription(logs)  # each line would delay a step
         self._prepare()
 
-    def _on_log(self, message: Log) -> None:
-        self.log.append(f'[{message.name}] {message.msg}')
+    def collect_log(self) -> list[str]:
+        """Return what nodes have logged so far, a line for each message."""
+        lines: list[str] = []
+        logs = self._node.create_subscription(
+            Log, '/rosout', lambda message: lines.append(f'[{message.name}] {message.msg}'), _LOGS)
+        end = time.monotonic() + QUIET
+        while time.monotonic() < end:
+            before = len(lines)
+            self._executor.spin_once(timeout_sec=QUIET)
+            end = time.monotonic() + QUIET if len(lines) > before else end
+        self._node.destroy_subscription(logs)
+        return lines
 
     def _wait_ready(self) -> None:
         def ready(message: Bool) -> None:
             self._ready = message.data
 
-        waiting = self._node.create_subscription(Bool, f'{self._name}/ready', ready, _LATCHED)
-        self._spin_until(lambda: self._ready, f'{self._name} is not ready')
+        waiting = self._node.create_subscription(Bool, f'{self.name}/ready', ready, _LATCHED)
+        self._spin_until(lambda: self._ready, f'{self.name} is not ready')
         self._node.destroy_subscription(waiting)
 
     def _prepare(self) -> None:
@@ -94,7 +101,7 @@ class RemoteValve(Bench):
         self._spin_until(
             lambda: self._commands.get_subscription_count() > 0
             and all(output.get_publisher_count() for output in self._outputs),
-            f'{self._name} does not take part in {self._commands.topic_name}')
+            f'{self.name} does not take part in {self._commands.topic_name}')
         self.set({'step_on_command': True, 'step_ticks': 1})
         # a subscription may know its publisher before the publisher knows it
         for _ in range(10):
@@ -104,7 +111,7 @@ class RemoteValve(Bench):
             if self._arrive(1, 2.0):
                 break
         else:
-            raise AssertionError(f'no output of {self._name} arrives')
+            raise AssertionError(f'no output of {self.name} arrives')
         while self._arrive(min(len(self._pressures), len(self._positions)) + 1, QUIET):
             pass
         self.reset()
@@ -170,7 +177,7 @@ class RemoteValve(Bench):
 
     def _await_sample(self, count: int) -> Sample:
         assert self._arrive(count, PATIENCE), (
-            f'{self._name} has sent no sample number {count} after {PATIENCE:g} s')
+            f'{self.name} has sent no sample number {count} after {PATIENCE:g} s')
         sample = Sample(
             (count - 1) * self._tick / NANOSECONDS, self._current, self._pressures[count - 1],
             self._positions[count - 1])
@@ -197,7 +204,7 @@ class RemoteValve(Bench):
         client = self._services.get(service)
         if client is None:
             client = self._services[service] = self._node.create_client(
-                kind, f'{self._name}/{service}')
+                kind, f'{self.name}/{service}')
         self._spin_until(client.service_is_ready, f'there is no service {client.srv_name}')
         for _ in range(3):
             answer = client.call_async(request)

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a valve under test did: its samples, and assertions on them that say when and by how much."""
+"""What a valve under test did: its samples, and assertions that say when and by how much."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
