@@ -16,8 +16,8 @@ import subprocess
 import sys
 import time
 
-import rclpy
 from rclpy.context import Context
+from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
@@ -114,7 +114,7 @@ CASES = {
 def main() -> int:
     """Measure and print a Markdown table: median, slowest and fastest of the rounds."""
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
-    rclpy.logging.set_logger_level('positioner', rclpy.logging.LoggingSeverity.WARN)
+    set_logger_level('positioner', LoggingSeverity.WARN)
     print('| controller | times real time | slowest | fastest | runs alike to the bit |')
     print('|---|---|---|---|---|')
     for name, case in CASES.items():
