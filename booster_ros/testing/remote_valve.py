@@ -65,17 +65,26 @@ class RemoteValve(Bench):
         self._commands = self._node.create_publisher(Float64, 'control_current', 10)
         self._outputs = (
             self._node.create_subscription(
-                Float64, 'chamber_pressure', lambda m: self._pressures.append(m.data), _DEPTH),
+                Float64, 'chamber_pressure', self._on_pressure, _DEPTH),
             self._node.create_subscription(
-                Float64, 'valve_position', lambda m: self._positions.append(m.data), _DEPTH))
+                Float64, 'valve_position', self._on_position, _DEPTH))
         self._wait_ready()
         self._prepare()
+
+    def _on_pressure(self, message: Float64) -> None:
+        self._pressures.append(message.data)
+
+    def _on_position(self, message: Float64) -> None:
+        self._positions.append(message.data)
 
     def collect_log(self) -> list[str]:
         """Return what nodes have logged so far, a line for each message."""
         lines: list[str] = []
-        logs = self._node.create_subscription(
-            Log, '/rosout', lambda message: lines.append(f'[{message.name}] {message.msg}'), _LOGS)
+
+        def note(message: Log) -> None:
+            lines.append(f'[{message.name}] {message.msg}')
+
+        logs = self._node.create_subscription(Log, '/rosout', note, _LOGS)
         end = time.monotonic() + QUIET
         while time.monotonic() < end:
             before = len(lines)
