@@ -48,7 +48,7 @@ class Faults:
         self._time = time
         self._changed = changed
         self._base = plant.parameters
-        self._told: list[tuple[object, ...]] = []
+        self._told: list[tuple[int, bool, bool]] = []
         self._acting: tuple[tuple[Injection, float], ...] = ()
         self._publisher = node.create_publisher(DiagnosticArray, '~/faults', LATCHED)
         node.create_service(SetParametersAtomically, '~/inject', self._on_inject)
