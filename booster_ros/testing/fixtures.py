@@ -6,7 +6,7 @@ Fixtures for pytest: name this module in `pytest_plugins`.
     pytest_plugins = ['booster_ros.testing.fixtures']
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import ExitStack
 from typing import Any
 
@@ -49,7 +49,7 @@ def find_valve(request: pytest.FixtureRequest) -> Iterator[Callable[..., RemoteV
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
-) -> Iterator[None]:
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Show what nodes in other processes have logged, where a test fails."""
     report = yield
     if report.failed:
