@@ -32,6 +32,8 @@ ROSDEP_KEYS = {
 }
 # What the benchmark compares the model with, where it is installed; nothing else imports it.
 PEERS = {'sksundae'}
+# Whoever names `booster_ros.testing.fixtures` in a test has it; nothing else imports it.
+OF_TESTS = {'pytest'}
 # Needed by the launch files, which name it in substitutions and commands only.
 NOT_IMPORTED = {'ros2launch'}
 
@@ -93,7 +95,7 @@ def imported_modules(folder: Path) -> set[str]:
 
 def test_what_is_imported_is_declared_and_nothing_else():
     imported = imported_modules(ROOT / 'booster_ros') | imported_modules(ROOT / 'launch')
-    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'} - PEERS
+    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'} - PEERS - OF_TESTS
     needed = {ROSDEP_KEYS.get(module, module) for module in foreign} | NOT_IMPORTED
     assert needed == {element.text for element in manifest().iter('exec_depend')}
 
