@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -20,7 +21,11 @@ from std_srvs.srv import SetBool, Trigger
 def start(*ros_arguments: str) -> RosProcess:
     """Start a positioner with these arguments for ROS and wait until it runs."""
     node = RosProcess(program('positioner', '--ros-args', *ros_arguments))
-    node.wait_for('ticks per second')
+    try:
+        node.wait_for('ticks per second', 60.0)
+    except AssertionError:
+        node.send(signal.SIGKILL)  # nobody has it yet, to end it
+        raise
     return node
 
 

@@ -172,6 +172,10 @@ def test_a_recording_needs_every_output(tmp_path, ros_client):
                     until=lambda node: knows(node, '/half', 1))
     assert said.endswith(': no chamber_pressure has come, no valve_position has come')
     assert not csv.exists()
+    with controller('-r', '__ns:=/half', wait_timeout=0.3, record_csv=csv) as node:
+        assert node.wait() == 2
+    assert 'nobody publishes /half/chamber_pressure_stamped' in node.stderr[-1]
+    assert node.stderr[-1].endswith('; feedback: plain listens to topics without a time stamp')
 
 
 def test_two_positioners_on_the_same_topics_are_not_recorded(tmp_path, ros_client):
@@ -222,7 +226,7 @@ def test_a_second_positioner_that_comes_later_ends_the_recording(tmp_path, ros_c
     csv = tmp_path / 'record.csv'
     shared = ('-r', '__ns:=/shared')
     with positioner_process.start(*shared), \
-            controller(*shared, dwell=100.0, record_csv=csv) as node:
+            controller(*shared, dwell=100.0, record_csv=csv, feedback='plain') as node:
         node.wait_for('playing')
         time.sleep(0.5)
         ros_client.node.create_publisher(Float64, '/shared/valve_position', 10)
@@ -232,17 +236,42 @@ def test_a_second_positioner_that_comes_later_ends_the_recording(tmp_path, ros_c
     assert len(read_record(csv)) > 10
 
 
-def test_a_positioner_that_was_killed_is_missed_at_the_end(tmp_path):
+@pytest.mark.parametrize('lockstep', [False, True])
+def test_a_killed_positioner_is_missed_at_once_and_the_old_recording_stays(tmp_path, lockstep):
+    """DDS goes on for 20 s as if it were there; with a lockstep nobody is there to be advised."""
     csv = tmp_path / 'record.csv'
+    csv.write_text('old')
     shot = ('-r', '__ns:=/shot')
-    with positioner_process.start(*shot) as valve, \
-            controller(*shot, levels=[3e-4], dwell=7.0, record_csv=csv) as node:
+    with positioner_process.start(*shot) as valve, controller(
+        *shot, levels=[3e-4], dwell=1e4, record_csv=csv, lockstep=lockstep,
+    ) as node:
         node.wait_for('playing')
         time.sleep(0.5)
         valve.send(signal.SIGKILL)
-        assert node.wait() == 2
-    assert 'nothing has come from the positioner in the last' in node.stderr[-1]
-    assert 10 < len(read_record(csv)) < 400
+        assert node.wait(10.0) == 2
+    assert 'nothing has come from the positioner in the last' in node.output
+    assert 'stays paused' not in node.output
+    assert csv.read_text() == 'old'
+    assert len(read_record(tmp_path / 'record.partial.csv')) > 10
+
+
+def test_a_profile_that_ends_in_silence_ends_like_an_interruption(tmp_path):
+    csv = tmp_path / 'record.csv'
+    csv.write_text('old')
+    with context_here('-r', '__ns:=/alone', '-p', f'record_csv:={csv}') as arguments:
+        node = FakeController(arguments)
+        node._pace._begin = 100
+        node.begin(100)
+        for stamp in (100, 200, 300):
+            node.send(0.0, stamp)
+            for column in ('chamber_pressure', 'valve_position'):
+                node._on_output(column, 1.0, stamp)
+        node._silence._since -= 60.0
+        with pytest.raises(RunError, match=r'in the last 60\.\d s \(it has ended, hangs or is p'):
+            node.finish()
+        node.destroy_node()
+    assert csv.read_text() == 'old'
+    assert (tmp_path / 'record.partial.csv').exists()
 
 
 def test_a_lockstep_that_is_interrupted_says_that_the_positioner_is_paused():
@@ -255,13 +284,18 @@ def test_a_lockstep_that_is_interrupted_says_that_the_positioner_is_paused():
 
 
 def test_silence_is_what_is_longer_than_usual():
-    silence = Silence(100.0)
+    silence = Silence()
+    silence.heard(100.0)
+    assert silence.lasts(1000.0) == 0.0  # no pause is known yet
     for moment in (100.5, 101.0, 102.0):
         silence.heard(moment)
-    assert silence.lasts(105.9) == 0.0
-    assert silence.lasts(106.1) == pytest.approx(4.1)
-    silence.heard(106.1)
-    assert silence.lasts(107.2) == 0.0
+    assert silence.lasts(106.4) == 0.0
+    assert silence.lasts(106.6) == pytest.approx(4.6)
+    silence.excuse(106.6)
+    assert silence.lasts(111.0) == 0.0
+    silence.heard(111.0)  # what was excused was no pause
+    assert silence.lasts(125.6) == 0.0
+    assert silence.lasts(125.8) == pytest.approx(14.8)
 
 
 def test_the_position_loop_moves_the_stem_to_the_set_point(tmp_path, positioner):

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What may import what: the physics nothing, the diagnosis the physics, and nothing the nodes."""
+"""What may import what: the physics nothing, the diagnosis the physics, and few the nodes."""
 
 import ast
 from pathlib import Path
@@ -13,7 +13,8 @@ PACKAGE = ROOT / 'booster_ros'
 MAY_IMPORT = {
     'model': set(),
     'records': {'model'},
-    'parameters': {'model'},
+    'faults': {'model'},
+    'parameters': {'model', 'faults'},
     'control': {'model', 'records', 'parameters'},
     'signals': set(),
     'diagnosis/data': {'model', 'records', 'signals'},
@@ -30,10 +31,11 @@ MAY_IMPORT = {
     'report': {'model', 'records', 'parameters', 'diagnosis'},
     'paper': {'model', 'records', 'diagnosis/estimation'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
-    'nodes': {'model', 'records', 'parameters', 'control'},
+    'nodes': {'model', 'records', 'faults', 'parameters', 'control'},
+    'testing': {'model', 'parameters', 'nodes', 'programs'},
     'campaign': set(),  # judges the diagnosis as a program, of whatever state
     'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign'},
-    'benchmark': {'model', 'records', 'programs'},
+    'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing'},
 }
 """For each folder the others that it may import, with all that lies in them."""
 
@@ -115,7 +117,8 @@ def test_no_two_folders_import_each_other():
         assert folder not in below(folder)
 
 
-@pytest.mark.parametrize('folder', [one for one in MAY_IMPORT if one not in ('nodes', 'benchmark')])
+@pytest.mark.parametrize('folder', [
+    one for one in MAY_IMPORT if one not in ('nodes', 'benchmark', 'testing')])
 def test_ros_is_for_the_nodes(folder):
     assert [path.name for path in files_of(folder)
             if ROS & {name[0] for name in imported_by(path)}] == []

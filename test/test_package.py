@@ -32,6 +32,8 @@ ROSDEP_KEYS = {
 }
 # What the benchmark compares the model with, where it is installed; nothing else imports it.
 PEERS = {'sksundae'}
+# Whoever names `booster_ros.testing.fixtures` in a test has it; nothing else imports it.
+OF_TESTS = {'pytest'}
 # Needed by the launch files, which name it in substitutions and commands only.
 NOT_IMPORTED = {'ros2launch'}
 
@@ -93,7 +95,7 @@ def imported_modules(folder: Path) -> set[str]:
 
 def test_what_is_imported_is_declared_and_nothing_else():
     imported = imported_modules(ROOT / 'booster_ros') | imported_modules(ROOT / 'launch')
-    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'} - PEERS
+    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'} - PEERS - OF_TESTS
     needed = {ROSDEP_KEYS.get(module, module) for module in foreign} | NOT_IMPORTED
     assert needed == {element.text for element in manifest().iter('exec_depend')}
 
@@ -168,6 +170,17 @@ def test_colcon_test_finds_the_tests(workspace):
     one = f'--pytest-args=test/test_package.py::{test_versions_agree.__name__}'
     colcon(workspace.folder, 'test', '--paths', str(ROOT), '--return-code-on-test-failure', one)
     assert 'Summary: 1 test, 0 errors, 0 failures' in colcon(workspace.folder, 'test-result')
+
+
+def test_every_argument_that_two_positioners_lists_does_something():
+    """What is included in the description itself is listed as well, whatever sets it."""
+    tree = ast.parse((ROOT / 'launch' / 'two_positioners.launch.py').read_text())
+    described, = (node for node in tree.body if isinstance(node, ast.FunctionDef)
+                  and node.name == 'generate_launch_description')
+    called = {node.func.id for node in ast.walk(described)
+              if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
+    assert 'DeclareLaunchArgument' in called
+    assert 'IncludeLaunchDescription' not in called
 
 
 def launch_files() -> list[Path]:

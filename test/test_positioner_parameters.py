@@ -7,9 +7,10 @@ from __future__ import annotations
 import re
 
 from diagnostic_msgs.msg import DiagnosticArray
-from positioner_process import Bench, report_of, start, with_parameters
+from positioner_process import Bench, details, report_of, start, with_parameters
 import pytest
-from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
+from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
+from rclpy.parameter import Parameter
 from ros_client import RosClient
 from std_msgs.msg import Float64
 
@@ -128,3 +129,41 @@ def test_a_change_of_the_physics_keeps_the_state_and_acts_from_the_next_tick(ben
     for _ in range(20):
         plant.advance(4e-4, 10)
     assert pressures[-1].data == plant.outputs().measured_chamber_pressure
+
+
+def set_all(bench, values):
+    """Set parameters as `ros2 param load` does, and return the results."""
+    request = SetParameters.Request(parameters=[
+        Parameter(name, value=value).to_parameter_msg() for name, value in values.items()])
+    return bench.client.call('positioner/set_parameters', SetParameters, request).results
+
+
+def test_a_file_is_loaded_as_a_whole_or_not_at_all(bench):
+    other = {'booster.s1': 2e-5, 'booster.s2': 1.5e-5, 'booster.s3': 1.6e-5, 'publish_rate': 100.0}
+    results = set_all(bench, other)
+    assert [result.successful for result in results] == [False, False, False, True]
+    assert 'booster.s2 (1.5e-05 m^2) must be greater than booster.s3' in results[0].reason
+    assert results[0].reason.endswith('(none of 3 changed parameters has been set)')
+    assert [value_of(bench, f'booster.s{n}') for n in (1, 2, 3)] == [13.52e-6, 9.28e-6, 3.14e-6]
+    assert all(result.successful for result in set_all(bench, other | {'booster.s3': 1e-5}))
+    assert value_of(bench, 'booster.s3') == 1e-5
+    assert all(result.successful for result in set_all(
+        bench, {'booster.s1': 13.52e-6, 'booster.s2': 9.28e-6, 'booster.s3': 3.14e-6}))
+
+
+def test_values_that_are_in_force_are_no_change(bench):
+    diagnostics = bench.client.listen('/diagnostics', DiagnosticArray)
+
+    def changes():
+        diagnostics.clear()
+        bench.client.spin_until(lambda: len(diagnostics) > 1)
+        return details(report_of(diagnostics[-1], 'parameters'))['changes']
+
+    before = changes()
+    assert bench.set(
+        supply__pressure=400_000, current_limits=[0.0, 2e-3], publish_rate=100.0).successful
+    assert bench.set(publish_rate=100.0).successful
+    assert changes() == before
+    assert bench.set(supply__pressure=410e3).successful
+    assert changes() == str(int(before) + 1)
+    assert bench.set(supply__pressure=400e3).successful

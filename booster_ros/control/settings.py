@@ -11,7 +11,7 @@ from booster_ros.parameters.schema import checked_as
 
 CURRENT, POSITION = 'current', 'position'
 STEPS, STAIRCASE, TRIANGLE, SINES, CSV = 'steps', 'staircase', 'triangle', 'sines', 'csv'
-PLAIN, STAMPED = 'plain', 'stamped'
+AUTO, PLAIN, STAMPED = 'auto', 'plain', 'stamped'
 MCAP, SQLITE3 = 'mcap', 'sqlite3'
 
 _PAPER = "the paper's open-loop test"
@@ -74,9 +74,11 @@ DESCRIPTIONS: dict[str, Description] = {
             'loop_current_limits', (0.0, 0.6e-3), 'A', 'lowest and highest current of the '
             'position loop', -1.0, 1.0, 'below saturation of the E/P converter, 0.74 mA'),
         Description(
-            'feedback', PLAIN, '-', 'topics that are listened to: chamber_pressure and '
-            'valve_position, or their twins with a time stamp, whose records do not depend on when '
-            'messages arrive', -1.0, 1.0, 'the topics any positioner has', (PLAIN, STAMPED)),
+            'feedback', AUTO, '-', 'topics that are listened to: chamber_pressure and '
+            'valve_position (plain), or their twins with a time stamp, whose records do not depend '
+            'on when messages arrive; auto: stamped where a recording is asked for, else plain',
+            -1.0, 1.0, 'the topics any positioner has, but for a recording',
+            (AUTO, PLAIN, STAMPED)),
         Description(
             'wait_timeout', 30.0, 's', 'how long to wait for a positioner before giving up, in '
             'real time; 0: for ever', 0.0, _FOREVER, 'discovery takes seconds'),
@@ -126,6 +128,12 @@ class ControllerSettings(NamedTuple):
     record_csv: str
     record_bag: str
     bag_format: str
+
+    @property
+    def listens_to_stamped(self) -> bool:
+        """Whether the outputs are taken from the topics with a time stamp."""
+        records = bool(self.record_csv or self.record_bag)
+        return self.feedback == STAMPED or (self.feedback == AUTO and records)
 
 
 def checked(name: str, value: Any) -> Any:

@@ -5,7 +5,7 @@
 import math
 from typing import NamedTuple
 
-from ..parameters.schema import LIMIT, VENT
+from ..parameters.schema import LIMIT, VENT, NodeSettings
 from .tick_clock import nanoseconds
 
 NOT_A_NUMBER = 'not a number'
@@ -23,6 +23,13 @@ class CommandRules(NamedTuple):
     invalid_current: str
     command_timeout: float
     stale_command: str
+
+
+def rules_of(settings: NodeSettings) -> CommandRules:
+    """Return the rules that the parameters of the node give."""
+    low, high = settings.current_limits
+    return CommandRules(
+        low, high, settings.invalid_current, settings.command_timeout, settings.stale_command)
 
 
 class Verdict(NamedTuple):

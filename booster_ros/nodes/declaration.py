@@ -66,6 +66,8 @@ def descriptor(description: Description, read_only: bool = False) -> ParameterDe
     limits = f'{description.low:g} to {description.high:g} {description.unit}'
     if description.choices:
         limits = f'one of {", ".join(description.choices)}'
+    elif isinstance(description.default, str):
+        limits = 'text'
     elif isinstance(description.default, bool):
         limits = 'true or false'
     made = ParameterDescriptor(
@@ -83,19 +85,26 @@ class ParameterWatch:
     Guards the changes of a node's declared parameters at run time.
 
     A change that does not fit the other parameters is refused with the reason, and nothing of it
-    is kept. After one that fits, `changed` is called with all parameters, checked together.
+    is kept; `examine` may raise ParameterError as well. A value that is in force already is no
+    change. After one that fits, `changed` is called with all parameters, checked together.
     A float may be given as any number: as `400000`, or as `9e9`, which arrives as a text.
     """
 
-    def __init__(self, node: Node, changed: Callable[[Parameters], None]) -> None:
+    def __init__(
+        self, node: Node, changed: Callable[[Parameters], None],
+        examine: Callable[[Parameters], object],
+    ) -> None:
         self._node = node
         self._changed = changed
+        self._examine = examine
         self.changes = 0
         """Changes so far."""
+        self._values = {
+            name: _plain(node.get_parameter(name).value) for name in ALL_DESCRIPTIONS}
         self.last_change = ''
         """Names and values of the last change."""
         node.add_pre_set_parameters_callback(
-            lambda proposed: [_as_declared(parameter) for parameter in proposed])
+            lambda proposed: [as_declared(parameter) for parameter in proposed])
         node.add_on_set_parameters_callback(self._validate)
         node.add_post_set_parameters_callback(self._apply)
 
@@ -106,20 +115,22 @@ class ParameterWatch:
 
     def _validate(self, proposed: list[Parameter]) -> SetParametersResult:
         try:
-            self._check(proposed)
+            self._examine(self._check(proposed))
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
     def _apply(self, applied: list[Parameter]) -> None:
         ours = [parameter for parameter in applied if parameter.name in ALL_DESCRIPTIONS]
+        ours = [p for p in ours if _plain(p.value) != self._values[p.name]]
         if ours:
+            self._values |= {p.name: _plain(p.value) for p in ours}
             self.changes += 1
             self.last_change = ', '.join(f'{p.name} = {_plain(p.value)}' for p in ours)
             self._changed(self._check(ours))
 
 
-def _as_declared(parameter: Parameter) -> Parameter:
+def as_declared(parameter: Parameter) -> Parameter:
     """
     Return the parameter with its numbers as floats where floats are declared.
 

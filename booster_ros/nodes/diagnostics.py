@@ -3,7 +3,7 @@
 """
 What `/diagnostics` says about a positioner.
 
-One report each on time, simulation, command and parameters.
+One report each on time, simulation, command, parameters, topics and faults.
 """
 
 from collections.abc import Sequence
@@ -60,7 +60,9 @@ class Loss(NamedTuple):
             f'parameters are set and {self.reset} is called')
 
 
-def time_report(clock: ClockState, ticks: TickClock, late_before: int) -> Report:
+def time_report(
+    clock: ClockState, ticks: TickClock, late_before: int, thinned: int = 0
+) -> Report:
     """Report on the clock and late ticks; `late_before` of these were known at the last report."""
     level, message = OK, 'on time'
     late = ticks.late_ticks - late_before
@@ -72,8 +74,12 @@ def time_report(clock: ClockState, ticks: TickClock, late_before: int) -> Report
         message = '/clock stands still'
     elif ticks.backlog > 0:
         level, message = WARN, f'ticks behind: {ticks.backlog}'
+    elif thinned:
+        level, message = WARN, 'behind until lately'
     elif late > 0 and not clock.follows_clock_topic:
         level, message = WARN, f'late ticks caught up: {late}'
+    if thinned:
+        message += '; the stamped topics and ~/state are thinned out (does a subscription hang?)'
     return Report(level, 'time', message, {
         'clock': '/clock' if clock.follows_clock_topic else 'wall time',
         'simulated time [s]': seconds(ticks.simulated),
@@ -116,6 +122,21 @@ def parameter_report(changes: int, last_change: str) -> Report:
     """Report on the changes of parameters at run time."""
     message = f'last change: {last_change}' if last_change else 'as started'
     return Report(OK, 'parameters', message, {'changes': str(changes)})
+
+
+def topic_report(trouble: Sequence[str]) -> Report:
+    """Report on other nodes, of which `trouble` says what is in the way."""
+    if not trouble:
+        return Report(OK, 'topics', 'nobody is in the way', {})
+    return Report(WARN, 'topics', '; '.join(trouble), {'in the way': str(len(trouble))})
+
+
+def fault_report(faults: Sequence[str], to_come: int) -> Report:
+    """Report on the faults that are on, and how many are to come."""
+    values = {'to come': str(to_come)}
+    if not faults:
+        return Report(OK, 'faults', 'none on', values)
+    return Report(WARN, 'faults', f'on: {", ".join(faults)}', values)
 
 
 def diagnostic_message(reports: Sequence[Report], node: str, stamp: Time) -> DiagnosticArray:

@@ -26,7 +26,6 @@ from ..control.selection import select_profile
 from ..control.settings import (
     DESCRIPTIONS,
     POSITION,
-    STAMPED,
     ControllerSettings,
     check,
     checked,
@@ -59,7 +58,7 @@ WAITING, PLAYING, DONE = 'waiting', 'playing', 'done'
 
 QUEUE_DEPTH = 10
 LOOK_PERIOD = 0.05
-WATCH_PERIOD = 1.0
+WATCH_PERIOD = 0.25
 SETTLING = 0.5
 """Seconds before the profile begins, in which a topic just found delivers what had waited."""
 
@@ -97,17 +96,18 @@ class FakeController(Node):
         self._currents = self.create_publisher(Float64, 'control_current', QUEUE_DEPTH)
         self._set_points = self.create_publisher(Float64, '~/set_point', QUEUE_DEPTH)
         self._limits = CurrentLimits(self)
-        time = NodeTime(self)
+        self._time = time = NodeTime(self)
         self._pace = self._make_pace(time)
         self._feedback = Feedback(
-            self, time, self._settings.feedback == STAMPED, self._on_output)
+            self, time, self._settings.listens_to_stamped, self._on_output)
         self._progress = Progress(self.duration, self.get_logger())
         self._announce(arguments)
         self._recording = self._open_recording(arguments)
         self._enter(WAITING)
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._waiting_since = self._seconds()
-        self._silence = Silence(self._waiting_since)
+        self._silence = Silence()
+        self._clock_seen = -1
         self._look_out = self.create_timer(LOOK_PERIOD, self._on_look, clock=self._steady_clock)
 
     def _seconds(self) -> float:
@@ -164,14 +164,19 @@ class FakeController(Node):
                 self.destroy_timer(self._look_out)
                 self._look_out = self.create_timer(
                     WATCH_PERIOD, self._on_watch, clock=self._steady_clock)
-                self._silence = Silence(now)
                 self._pace.begin(self, self._last_sample)
             return
         self._complete_since = None
         if 0.0 < self._settings.wait_timeout < now - self._waiting_since:
             raise RunError(
                 'no positioner to play to within wait_timeout '
-                f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}')
+                f'({self._settings.wait_timeout:g} s): {", ".join(in_the_way)}{self._hint()}')
+
+    def _hint(self) -> str:
+        """Return what to do about a positioner that may have the plain topics only."""
+        stamped_only = self._needed() and self._settings.listens_to_stamped
+        missing = stamped_only and self._feedback.missing_topics()
+        return '; feedback: plain listens to topics without a time stamp' if missing else ''
 
     def _ask_limits(self, now: float) -> None:
         """Ask the positioners for their limits, where their outputs are needed."""
@@ -204,6 +209,7 @@ class FakeController(Node):
     def begin(self, stamp: int) -> None:
         """Take note that the profile begins at this stamp, ns."""
         self._recording.start = stamp
+        self._silence.excuse(self._seconds())
         self._enter(PLAYING)
 
     def send(self, played: float, stamp: int) -> None:
@@ -239,12 +245,24 @@ class FakeController(Node):
         if crowded:
             raise RunError(
                 f'several publish {" and ".join(crowded)} now: their samples cannot be told apart')
+        self._check_silence()
+
+    def _check_silence(self) -> None:
+        """Raise if the positioner is no longer heard, of which DDS knows only after 20 s."""
+        now, shown = self._seconds(), self._time.now()
+        if self._time.follows_clock_topic and shown == self._clock_seen:
+            self._silence.excuse(now)  # /clock stands still, and the positioner with it
+        self._clock_seen = shown
+        silence = self._silence.lasts(now)
+        if self._phase == PLAYING and silence:
+            self._has_gone = True
+            raise RunError(_silent(silence))
 
     def _on_output(self, column: str, value: float, stamp: int) -> None:
         if column == 'valve_position':
             self._position = value
+            self._silence.heard(self._seconds())
         self._last_sample = stamp
-        self._silence.heard(self._seconds())
         self._come.add(column)
         if self._phase != PLAYING:
             return
@@ -266,13 +284,12 @@ class FakeController(Node):
         self._phase = DONE  # whatever comes of closing, it is not tried twice
         self.destroy_timer(self._look_out)
         silence = self._silence.lasts(self._seconds()) if self._needed() else 0.0
-        self._end_recording(self._recording.close)
+        self._end_recording(self._recording.close_early if silence else self._recording.close)
         if self._recording.paths:
-            self.get_logger().info(self._recorded())
+            partial = 'partial: ' if silence else ''
+            self.get_logger().info(f'{partial}{self._recorded()}')
         if silence:
-            raise RunError(
-                f'nothing has come from the positioner in the last {silence:.1f} s: what was '
-                'played then drove nothing')
+            raise RunError(_silent(silence))
         self._enter(DONE)
         if not self._settings.keep_alive:
             self._status.wait_for_all_acked(DELIVERY_TIMEOUT)
@@ -306,6 +323,11 @@ class FakeController(Node):
         if left_behind:
             logger.warning(left_behind)
         super().destroy_node()
+
+
+def _silent(seconds: float) -> str:
+    return (f'nothing has come from the positioner in the last {seconds:.1f} s (it has ended, '
+            'hangs or is paused): what was played then drove nothing')
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -57,6 +57,7 @@ class Lockstep:
         self._awaited = 0
         self._answers = self._answers_seen = 0
         self._arrival: Future | None = None
+        self._given_up = False
 
     def missing(self) -> list[str]:
         """
@@ -91,7 +92,7 @@ class Lockstep:
 
     def left_behind(self) -> str:
         """Return the sentence that it stays paused, as an ended context calls no service."""
-        if self._stays_paused or not self._answers:
+        if self._stays_paused or self._given_up or not self._answers:
             return ''
         service = self._node.resolve_service_name(self._pause.srv_name)
         return (f'{self._positioner} stays paused until '
@@ -99,6 +100,7 @@ class Lockstep:
 
     def _check_progress(self) -> None:
         if self._answers == self._answers_seen:
+            self._given_up = True
             raise RunError(f'lockstep: {self._positioner} does not answer')
         self._answers_seen = self._answers
 

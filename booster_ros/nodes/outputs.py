@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the positioner publishes at every tick, and as which messages."""
 
+from collections.abc import Callable, Mapping
 import math
 
 from builtin_interfaces.msg import Time
@@ -14,7 +15,6 @@ from std_msgs.msg import Float64, Header
 
 from ..model.gas import ATMOSPHERE
 from ..model.outputs import OUTPUT_UNITS, Outputs
-from ..model.simulation import Plant
 from .tick_clock import NANOSECONDS
 
 JOINT_NAME = 'valve_stem'
@@ -26,6 +26,11 @@ def stamp_message(nanoseconds: int) -> Time:
     """Return a time stamp from nanoseconds."""
     seconds, rest = divmod(nanoseconds, NANOSECONDS)
     return Time(sec=seconds, nanosec=rest)
+
+
+def are_finite(readings: tuple[float, float]) -> bool:
+    """Tell whether readings are finite numbers."""
+    return all(map(math.isfinite, readings))
 
 
 def quiet_publisher(node: Node, kind: type, topic: str) -> Publisher:
@@ -53,32 +58,45 @@ class OutputPublishers:
         self._frame = node.get_name()
         self._pressure = quiet_publisher(node, Float64, 'chamber_pressure')
         self._position = quiet_publisher(node, Float64, 'valve_position')
+        self.always_published = (self._pressure, self._position)
         self._heard_only = (
             (quiet_publisher(node, FluidPressure, 'chamber_pressure_stamped'), self._pressure_of),
             (quiet_publisher(node, JointState, 'valve_position_stamped'), self._position_of),
             (quiet_publisher(node, DiagnosticArray, '~/state'), self._state_of),
         )
+        self.faults: Mapping[str, float] = {}
+        """The faults that are on, with their shares of full strength."""
+        self._faults = DiagnosticStatus(level=DiagnosticStatus.OK, name='faults')
         self._values = [KeyValue(key=name) for name in Outputs._fields]
         self._status = DiagnosticStatus(
             level=DiagnosticStatus.OK, name='state', values=self._values,
             message=', '.join(f'{name} {unit}' for name, unit in OUTPUT_UNITS.items()))
 
-    def publish(self, plant: Plant, nanoseconds: int) -> bool:
+    def listeners(self) -> int:
+        """Return how many subscriptions there are to outputs."""
+        publishers = (*self.always_published, *(publisher for publisher, _ in self._heard_only))
+        return sum(publisher.get_subscription_count() for publisher in publishers)
+
+    def publish(
+        self, outputs: Callable[[], Outputs], readings: tuple[float, float], nanoseconds: int,
+        thinned: bool = False,
+    ) -> None:
         """
         Publish the outputs of the tick that lies at this time of the node's clock.
 
-        Nothing is published, and False returned, where they are no finite numbers: a controller
-        would calculate with them.
+        `readings` are what the sensors show, Pa gauge and m. Of a tick that is `thinned` there
+        are the plain numbers only.
         """
-        pressure, position = plant.readings()
-        if not (math.isfinite(pressure) and math.isfinite(position)):
-            return False
+        pressure, position = readings
         self._pressure.publish(Float64(data=pressure))
         self._position.publish(Float64(data=position))
+        if thinned:
+            return
         for publisher, message in self._heard_only:
             if publisher.get_subscription_count():
-                publisher.publish(message(plant.outputs(), self._header(nanoseconds)))
-        return True
+                seen = outputs()._replace(
+                    measured_chamber_pressure=pressure, measured_valve_position=position)
+                publisher.publish(message(seen, self._header(nanoseconds)))
 
     def _header(self, nanoseconds: int) -> Header:
         return Header(stamp=stamp_message(nanoseconds), frame_id=self._frame)
@@ -95,4 +113,7 @@ class OutputPublishers:
     def _state_of(self, outputs: Outputs, header: Header) -> DiagnosticArray:
         for entry, value in zip(self._values, outputs, strict=True):
             entry.value = repr(value)
-        return DiagnosticArray(header=header, status=[self._status])
+        self._faults.message = ', '.join(self.faults)
+        self._faults.values = [
+            KeyValue(key=name, value=repr(share)) for name, share in self.faults.items()]
+        return DiagnosticArray(header=header, status=[self._status, self._faults])

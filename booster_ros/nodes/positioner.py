@@ -7,33 +7,44 @@ Everything happens in one thread, between two ticks or in a tick: commands that 
 next tick, parameters change between ticks. `docs/node.md` describes topics, services, time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import sys
+from typing import Any
 
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
 from std_srvs.srv import SetBool, Trigger
 
 from ..model.simulation import Plant
-from ..parameters.schema import ALL_DESCRIPTIONS, NodeSettings, Parameters, checked
-from .command_guard import CommandGuard, CommandRules
+from ..parameters.schema import ALL_DESCRIPTIONS, Parameters, checked
+from .command_guard import rules_of
+from .commands import Commands
 from .declaration import (
     ParameterWatch,
+    as_declared,
     check_files,
     declare,
     effective_values,
     files_without_section,
 )
 from .diagnostics import Loss, seconds
+from .faults import Faults, planned
+from .kick_off import KickOff
+from .neighbours import Neighbours
 from .node_time import NodeTime
-from .outputs import OutputPublishers
+from .outputs import OutputPublishers, are_finite
+from .parameter_service import AllOrNone
 from .process import run
+from .ready import Ready
 from .reporting import Condition, Reporter
+from .stepping import Stepping
 from .throttle import Throttle
 from .tick_clock import NANOSECONDS, TickClock, nanoseconds
+from .ticking import Ticking
 
 DESCRIPTION = 'Simulate an electro-pneumatic valve positioner as a ROS 2 node.'
 EXAMPLE = '--ros-args --params-file positioner.yaml -p publish_rate:=200.0\n' \
@@ -48,48 +59,73 @@ DIAGNOSTIC_PERIOD = 1.0
 WARNING_PERIOD = 10.0
 """Seconds before a warning is given again."""
 
-EVENT_DEPTH = 10
-"""Commands kept until they are handled; the last one counts."""
-
 
 class Positioner(Node):
-    """Simulates the positioner on the node's clock; ParameterError for bad parameters."""
+    """
+    Simulates the positioner on the node's clock; ParameterError for bad parameters.
 
-    def __init__(self, arguments: Sequence[str]) -> None:
-        """Start with the parameters given; `arguments` is the command line, for messages only."""
-        super().__init__('positioner', automatically_declare_parameters_from_overrides=True)
+    Several fit into one process, and into one executor that runs one callback at a time.
+    """
+
+    def __init__(
+        self, arguments: Sequence[str] = (), *, node_name: str = 'positioner',
+        namespace: str | None = None, parameter_overrides: Mapping[str, Any] | None = None,
+        context: Context | None = None,
+    ) -> None:
+        """
+        Start with the parameters given, in files or as `parameter_overrides` (by dotted name).
+
+        `arguments` is the command line, for messages only. Without a `context` it is rclpy's.
+        """
+        super().__init__(
+            node_name, namespace=namespace, context=context,
+            parameter_overrides=_parameters(parameter_overrides or {}),
+            automatically_declare_parameters_from_overrides=True, start_parameter_services=False)
         check_files(arguments, self.get_fully_qualified_name(), checked)
         physical, settings = declare(self)
         self._settings = settings
-        self._watch = ParameterWatch(self, self._on_parameters)
-        self.add_post_set_parameters_callback(self._on_clock_choice)
+        self._watch = ParameterWatch(
+            self, self._on_parameters, lambda parameters: planned(parameters.node.faults))
+        self._parameter_service = AllOrNone(self, as_declared)
         period = round(NANOSECONDS / settings.publish_rate)
         step = nanoseconds(settings.integration_step)
         self._plant = Plant(physical, step / NANOSECONDS)
         self._loss: Loss | None = None
-        self._guard = CommandGuard(_rules(settings))
         self._ticks = TickClock(
             period, step, nanoseconds(settings.max_catch_up),
             piece=max(2, nanoseconds(CATCH_UP_PIECE) // period))
-        self._put_into_initial_state()
         self._time = NodeTime(self)
-        self._started = False
-        self._paused = settings.start_paused
+        self._restarts = False
         self._throttle = Throttle(nanoseconds(WARNING_PERIOD))
+        self._ticking = Ticking(
+            self, self._time, self._ticks, self._throttle, self._run_ticks,
+            paused=settings.start_paused or settings.step_on_command)
+        self._stepping = Stepping(self, self._ticks.piece, self._run_ticks)
 
         self._outputs = OutputPublishers(self)
+        self._commands = Commands(
+            self, rules_of(settings), self._throttle, lambda: self._reporter.report_change(),
+            self._on_command)
+        self._guard = self._commands.guard
+        self._neighbours = Neighbours(
+            self, self._commands.subscription, self._outputs.always_published)
         self._reporter = Reporter(
-            self, self._time, self._ticks, self._guard, self._watch,
-            lambda: Condition(self._paused, self._loss))
-        self._commands = self.create_subscription(
-            Float64, 'control_current', self._on_command, EVENT_DEPTH)
+            self, self._time, self._ticks, self._guard, self._watch, self._condition)
+        self._faults = Faults(
+            self, self._plant, self._ticks, self._time, settings, self._on_faults)
+        self._put_into_initial_state()
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(SetBool, '~/pause', self._on_pause)
-        self.create_service(Trigger, '~/step', self._on_step)
+        # a group of its own: others have their turn between two portions of a step
+        self.create_service(
+            Trigger, '~/step', self._on_step, callback_group=MutuallyExclusiveCallbackGroup())
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics, clock=self._steady_clock)
-        self._catch_up = self.create_guard_condition(self._on_time)
-        self._start_timer()
+        self._ready = Ready(self)
+        self._kick_off = KickOff(self, self._outputs, self._kick)
+        if settings.step_on_command:
+            self._kick_off.begin()
+        self._ticking.start()
         self._announce(arguments)
 
     def _announce(self, arguments: Sequence[str]) -> None:
@@ -100,99 +136,64 @@ class Positioner(Node):
         values = {name: self.get_parameter(name).value for name in ALL_DESCRIPTIONS}
         self.get_logger().info(
             f'parameters in force (* other than the default):\n{effective_values(values)}')
-        state = 'paused' if self._paused else 'running'
+        state = 'paused' if self._ticking.paused else 'running'
         self.get_logger().info(
             f'{state} on {"/clock" if self._time.follows_clock_topic else "wall time"}: '
             f'{self._settings.publish_rate:g} ticks per second')
 
-    # Time
+    def _condition(self) -> Condition:
+        thinned = self._ticking.thinning.left_out if self._ticking.thins else 0
+        return Condition(
+            self._ticking.paused, self._loss, thinned, self._neighbours.trouble, self._faults.on,
+            self._faults.waiting)
 
-    def _start_timer(self) -> None:
-        """Tick from now on, on the clock that the node follows now."""
-        self._begin()
-        self._timer = self.create_timer(1.0, self._on_time, clock=self._time.clock)
-        self._timer.timer_period_ns = self._ticks.period
-        self._timer.reset()
-        if self._paused:
-            self._timer.cancel()
+    def _on_faults(self) -> None:
+        self.get_logger().info(f'faults on: {", ".join(self._faults.on) or "none"}')
+        self._reporter.report()
 
-    def _begin(self) -> None:
-        """Owe no ticks for the past. Simulated time shows 0 until something comes on /clock."""
-        now = self._time.now()
-        self._started = now > 0
-        self._ticks.start(now)
-
-    def _on_clock_choice(self, applied: list[Parameter]) -> None:
-        if any(parameter.name == 'use_sim_time' for parameter in applied):
-            self.destroy_timer(self._timer)
-            self._start_timer()
-
-    def _on_time(self) -> None:
-        """Run the ticks that are due."""
-        if self._paused:
-            return
-        if not self._started:
-            self._begin()
-            self._timer.reset()
-            self.get_logger().info('/clock has begun')
-            return
-        due = self._ticks.due(self._time.now())
-        if self._ticks.jump:
-            self._on_clock_jump()
-        self._run_ticks(due)
-        if self._ticks.backlog:
-            self._catch_up.trigger()
-
-    def _on_clock_jump(self) -> None:
-        self._timer.reset()
-        jump = self._ticks.jump / NANOSECONDS
-        kind = 'jump backwards' if jump < 0.0 else 'jump forwards'
-        if self._throttle.passes(kind, self._steady_now()):
-            self.get_logger().warning(
-                f'the clock jumped by {jump:+.3f} s: not simulated, the state is kept')
+    # Ticks
 
     def _run_ticks(self, count: int) -> None:
         offset = self._time.stamp_offset()
-        for _ in range(count):
-            self._tick(offset)
+        thins = self._ticking.thins
+        for number in range(count):
+            self._tick(offset, thins and number < count - 1)
 
-    def _tick(self, stamp_offset: int) -> None:
-        was_stale = self._guard.stale
-        current = self._guard.at_tick(self._ticks.simulated)
-        if self._guard.stale != was_stale:
-            self._on_stale_change()
+    def _tick(self, stamp_offset: int, thinned: bool) -> None:
+        if self._restarts:
+            self._publish_restart(stamp_offset)
+            return
+        current = self._commands.at_tick(self._ticks.simulated)
+        if self._loss is None:
+            self._faults.before_tick()
         moment = self._ticks.next_due
         steps = self._ticks.run_tick()
         if self._loss is None:
             self._plant.advance(current, steps)
+            self._ticking.thinning.left_out += thinned
+            self._publish(moment + stamp_offset, thinned)
+
+    def _publish_restart(self, stamp_offset: int) -> None:
+        """Publish the state after a reset, which takes a place of its own on the grid of ticks."""
+        self._restarts = False
+        moment = self._ticks.skip()
+        if self._loss is None:
             self._publish(moment + stamp_offset)
 
-    def _publish(self, stamp: int) -> None:
+    def _publish(self, stamp: int, thinned: bool = False) -> None:
         """Publish the outputs, at this time of the node's clock; report a state that is lost."""
-        if not self._outputs.publish(self._plant, stamp):
-            self._loss = Loss(self._ticks.simulated, self.resolve_service_name('~/reset'))
-            self.get_logger().error(str(self._loss))
+        ideal = self._plant.readings()
+        if not are_finite(ideal):
+            self._on_loss()
             self._reporter.report()
-
-    # Commands
-
-    def _on_command(self, message: Float64) -> None:
-        verdict = self._guard.offer(message.data)
-        if verdict.cause is None:
             return
-        if self._throttle.passes(verdict.cause, self._steady_now()):
-            self.get_logger().warning(self._guard.complaint(message.data, verdict))
-        self._reporter.report_change()
+        self._readings = self._faults.read(ideal)
+        self._outputs.faults = self._faults.shares
+        self._outputs.publish(self._plant.outputs, self._readings, stamp, thinned)
 
-    def _on_stale_change(self) -> None:
-        rules = self._guard.rules
-        if not self._guard.stale:
-            self.get_logger().info('control_current is being commanded again')
-        elif self._throttle.passes('stale', self._steady_now()):
-            self.get_logger().warning(
-                f'control_current is older than command_timeout ({rules.command_timeout:g} s): '
-                f'{rules.stale_command}')
-        self._reporter.report_change()
+    def _on_loss(self) -> None:
+        self._loss = Loss(self._ticks.simulated, self.resolve_service_name('~/reset'))
+        self.get_logger().error(str(self._loss))
 
     def _steady_now(self) -> int:
         return self._steady_clock.now().nanoseconds
@@ -200,30 +201,76 @@ class Positioner(Node):
     # Parameters
 
     def _on_parameters(self, parameters: Parameters) -> None:
+        if parameters.node.step_on_command and not self._settings.step_on_command:
+            self._kick_off.begin()
         self._settings = parameters.node
-        if self._guard.follow(_rules(parameters.node)):
+        if self._guard.follow(rules_of(parameters.node)):
             self.get_logger().warning(
                 f'current_limits now limit the current in force to {self._guard.current:g} A')
         self._ticks.max_catch_up = nanoseconds(parameters.node.max_catch_up)
-        if parameters.physical != self._plant.parameters:
-            self._plant.parameters = parameters.physical
+        self._faults.follow(parameters.physical, parameters.node)
         self.get_logger().info(f'parameters changed: {self._watch.last_change}')
         self._reporter.report()
+
+    # For who runs the node instead of an executor
+
+    def command(self, current: float) -> None:
+        """Command a current, A, as a message would that arrives now."""
+        self._commands.offer(current)
+
+    def take_commands(self) -> None:
+        """Take over the commands that have arrived."""
+        self._commands.take_waiting()
+
+    def advance(self, ticks: int) -> None:
+        """Run and publish so many ticks of a paused positioner."""
+        self._run_ticks(ticks)
+
+    def restart(self) -> None:
+        """Go to the initial state of a paused positioner and publish it."""
+        self._on_reset(Trigger.Request(), Trigger.Response())
+
+    def publish_again(self) -> None:
+        """Publish the state of a paused positioner once more, with a stamp of its own."""
+        self._kick()
+
+    def sample(self) -> tuple[float, float, float, float]:
+        """Return simulated time, s, current in force, A, and what the sensors read, Pa and m."""
+        return self._ticks.simulated / NANOSECONDS, self._guard.current, *self._readings
+
+    def inject(self, fields: Mapping[str, Any]) -> None:
+        """Add a fault, as `~/inject` does; ParameterError where that cannot be."""
+        self._faults.inject(fields)
+
+    def clear(self) -> None:
+        """Switch all faults off, as `~/clear` does."""
+        self._faults.clear()
+
+    @property
+    def faults(self) -> list[str]:
+        """The names of the faults that are on."""
+        return self._faults.on
 
     # Services
 
     def _put_into_initial_state(self) -> None:
         state = self._settings.initial_state
+        self._faults.restart()
         self._plant.reset(state.chamber_pressure, state.valve_position, state.control_current)
         self._guard.force(state.control_current)
         self._ticks.reset()
         self._loss = None
+        if not are_finite(self._plant.readings()):
+            self._on_loss()
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._take_waiting_commands()
+        self._stepping.stop()
+        self._kick_off.end()
+        self._commands.take_waiting()
         self._put_into_initial_state()
-        last_tick = self._ticks.next_due - self._ticks.period
-        self._publish(last_tick + self._time.stamp_offset())
+        self._restarts = True
+        if self._ticking.paused:
+            self._publish_restart(self._time.stamp_offset())
         self._reporter.report()
         state = self._settings.initial_state
         response.success = self._loss is None
@@ -236,45 +283,59 @@ class Positioner(Node):
     def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         response.success = True
         response.message = 'paused' if request.data else 'running'
-        if request.data != self._paused:
-            self._paused = request.data
-            if self._paused:
-                self._timer.cancel()
-            else:
-                self._begin()
-                self._timer.reset()
+        if request.data != self._ticking.paused:
+            self._stepping.stop()
+            self._ticking.pause(request.data)
+            if request.data and self._restarts:
+                self._publish_restart(self._time.stamp_offset())
             self.get_logger().info(response.message)
             self._reporter.report()
         return response
 
-    def _on_step(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        if not self._paused:
+    def _on_command(self) -> None:
+        """Advance, where each command that arrives is to be followed by its ticks."""
+        if not (self._ticking.paused and self._settings.step_on_command):
+            return
+        count = self._settings.step_ticks
+        if count <= self._ticks.piece or self.executor is None:
+            self._run_ticks(count)
+            return
+        self._commands.hold_back()
+        self.executor.create_task(self._advance, count)
+
+    async def _advance(self, count: int) -> int:
+        self._commands.hold_back()
+        done = await self._stepping.advance(count)
+        self._commands.release()
+        return done
+
+    def _kick(self) -> None:
+        """Publish the state as it is: a controller that answers to outputs has nothing before."""
+        if self._ticking.paused:
+            self._publish_restart(self._time.stamp_offset())
+
+    async def _on_step(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        if not self._ticking.paused:
             response.message = 'only a paused positioner steps: call ~/pause with data: true first'
             return response
         count = self._settings.step_ticks
-        self._take_waiting_commands()
-        self._run_ticks(count)
-        response.success = self._loss is None
+        self._commands.take_waiting()
+        done = await self._advance(count)
+        response.success = self._loss is None and done == count
         response.message = str(self._loss) if self._loss else (
-            f'{count} tick{"s" if count > 1 else ""}, simulated time '
+            f'{done} tick{"s" if done > 1 else ""}, simulated time '
             f'{seconds(self._ticks.simulated)} s')
+        if done < count:
+            response.message = f'ended by ~/reset or ~/pause after {response.message}'
         return response
-
-    def _take_waiting_commands(self) -> None:
-        """
-        Take over the commands that came before a request, for a step to use or a reset to forget.
-
-        The executor asks for waiting messages before it asks for requests: a command and a request
-        that both arrive between these two would be handled in the wrong order.
-        """
-        waiting = self._commands.handle
-        with waiting:
-            while (taken := waiting.take_message(Float64, False)) is not None:
-                self._on_command(taken[0])
 
     # Diagnostics
 
     def _on_diagnostics(self) -> None:
+        for sentence in self._neighbours.look():
+            self.get_logger().warning(sentence)
         self._reporter.report_regularly()
         if self._time.follows_clock_topic and self._time.now() == 0 and self._throttle.passes(
                 'no /clock', self._steady_now()):
@@ -282,10 +343,9 @@ class Positioner(Node):
                 'use_sim_time is true, but nothing has come on /clock: simulated time stands')
 
 
-def _rules(settings: NodeSettings) -> CommandRules:
-    low, high = settings.current_limits
-    return CommandRules(
-        low, high, settings.invalid_current, settings.command_timeout, settings.stale_command)
+def _parameters(values: Mapping[str, Any]) -> list[Parameter]:
+    return [Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+            for name, value in values.items()]
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -16,9 +16,11 @@ from .diagnostics import (
     Report,
     command_report,
     diagnostic_message,
+    fault_report,
     parameter_report,
     simulation_report,
     time_report,
+    topic_report,
 )
 from .node_time import NodeTime
 from .outputs import quiet_publisher
@@ -26,10 +28,19 @@ from .tick_clock import TickClock
 
 
 class Condition(NamedTuple):
-    """What a positioner knows of itself: whether a service paused it, and what it has lost."""
+    """What a positioner knows of itself."""
 
     paused: bool
+    """A service paused it."""
     loss: Loss | None
+    thinned: int
+    """Ticks left out of some topics, because the node cannot keep up; 0 where it does."""
+    trouble: list[str]
+    """What other nodes are in the way of."""
+    faults: list[str]
+    """The faults that are on."""
+    to_come: int
+    """How many faults are still to come."""
 
 
 class Reporter:
@@ -72,12 +83,14 @@ class Reporter:
 
     def _reports(self) -> list[Report]:
         now = self._time.now()
-        paused, loss = self._condition()
+        paused, loss, thinned, trouble, faults, to_come = self._condition()
         clock = ClockState(
             self._time.follows_clock_topic, now > 0, now == self._clock_reported, paused)
         return [
-            time_report(clock, self._ticks, self._late_reported),
+            time_report(clock, self._ticks, self._late_reported, thinned),
             simulation_report(loss),
             command_report(self._guard, self._bad_reported),
             parameter_report(self._watch.changes, self._watch.last_change),
+            topic_report(trouble),
+            fault_report(faults, to_come),
         ]

@@ -76,6 +76,11 @@ class TickClock:
         """Count simulated time from zero; the grid on the clock stays where it is."""
         self.ticks = 0
 
+    def skip(self) -> int:
+        """Use up the next place on the grid without a tick, and return where it lies, ns."""
+        self._next_due += self.period
+        return self._next_due - self.period
+
     def due(self, now: int) -> int:
         """
         Return how many ticks to run at clock time `now`, ns; late ones are counted.

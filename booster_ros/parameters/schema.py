@@ -9,6 +9,7 @@ The node declares them from here, files are checked against it, the documentatio
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from ..faults.timetable import read_timetable
 from ..model.parameters import (
     DESCRIPTIONS,
     Description,
@@ -40,7 +41,10 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
             'start_paused', False, '-', 'wait for ~/step or ~/pause before the first tick',
             0.0, 1.0, 'a positioner runs'),
         Description(
-            'step_ticks', 1, '-', 'ticks that one call of ~/step advances', 1.0, 1e9,
+            'step_on_command', False, '-', 'start paused, and advance by step_ticks ticks for '
+            'each command that arrives while paused', 0.0, 1.0, 'a positioner runs'),
+        Description(
+            'step_ticks', 1, '-', 'ticks that a call of ~/step, or a command, advances', 1.0, 1e9,
             'the finest lockstep'),
         Description(
             'current_limits', (0.0, 2e-3), 'A', 'lowest and highest current taken as valid',
@@ -65,6 +69,26 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
         Description(
             'initial_state.control_current', 0.0, 'A', 'control current in force, and settled '
             'at, at the start and after ~/reset', -1.0, 1.0, 'vented'),
+        Description(
+            'faults.timetable', '', '-', 'faults to come, a list in YAML: docs/faults.md', -1.0,
+            1.0, 'no fault'),
+        Description(
+            'faults.file', '', '-', 'file with such a list', -1.0, 1.0, 'no fault'),
+        Description(
+            'measurement.pressure_noise', 0.0, 'Pa', 'standard deviation of white noise on the '
+            'chamber pressure that is published', 0.0, 1e6, 'neutral: none'),
+        Description(
+            'measurement.pressure_resolution', 0.0, 'Pa', 'steps in which the chamber pressure '
+            'is published', 0.0, 1e6, 'neutral: none'),
+        Description(
+            'measurement.position_noise', 0.0, 'm', 'standard deviation of white noise on the '
+            'valve position that is published', 0.0, 1.0, 'neutral: none'),
+        Description(
+            'measurement.position_resolution', 0.0, 'm', 'steps in which the valve position is '
+            'published', 0.0, 1.0, 'neutral: none'),
+        Description(
+            'measurement.seed', 0, '-', 'number that noise and chance begin with, at the start '
+            'and after each ~/reset', 0.0, 2e9, 'the same numbers every time'),
     )
 }
 """The node's own parameters by name."""
@@ -95,6 +119,23 @@ class InitialState(NamedTuple):
     control_current: float
 
 
+class FaultPlan(NamedTuple):
+    """Faults to come, as a text in YAML and as the path of a file with one."""
+
+    timetable: str
+    file: str
+
+
+class Measurement(NamedTuple):
+    """What the published readings have beside the model's: Pa and m, and the seed of chance."""
+
+    pressure_noise: float
+    pressure_resolution: float
+    position_noise: float
+    position_resolution: float
+    seed: int
+
+
 class NodeSettings(NamedTuple):
     """The node's own parameters, checked; names and units as in `NODE_DESCRIPTIONS`."""
 
@@ -102,12 +143,15 @@ class NodeSettings(NamedTuple):
     integration_step: float
     max_catch_up: float
     start_paused: bool
+    step_on_command: bool
     step_ticks: int
     current_limits: tuple[float, float]
     invalid_current: str
     command_timeout: float
     stale_command: str
     initial_state: InitialState
+    faults: FaultPlan
+    measurement: Measurement
 
 
 class Parameters(NamedTuple):
@@ -142,7 +186,7 @@ def check(values: Mapping[str, Any]) -> Parameters:
 
 def checked(name: str, value: Any) -> Any:
     """
-    Return one value as ROS 2 and a file hold it: float, int, bool, word or tuple of floats.
+    Return one value as ROS 2 and a file hold it: float, int, bool, text or tuple of floats.
 
     Integers are taken where a float is meant. ParameterError for an unknown name, a wrong kind or
     range.
@@ -162,6 +206,10 @@ def checked_as(description: Description, value: Any) -> Any:
     if isinstance(default, bool):
         if not isinstance(value, bool):
             raise ParameterError(f'{name} must be true or false, got {shown(value)}')
+        return value
+    if isinstance(default, str) and not description.choices:
+        if not isinstance(value, str):
+            raise ParameterError(f'{name} must be a text, got {shown(value)}')
         return value
     if isinstance(default, int):
         whole = isinstance(value, int) and not isinstance(value, bool)
@@ -183,9 +231,18 @@ def _node_settings(values: Mapping[str, Any]) -> NodeSettings:
     initial = InitialState(
         known.pop('initial_state.chamber_pressure'), None if position < 0.0 else position,
         known.pop('initial_state.control_current'))
-    settings = NodeSettings(initial_state=initial, **known)
+    settings = NodeSettings(
+        initial_state=initial, faults=FaultPlan(**_group(known, 'faults.')),
+        measurement=Measurement(**_group(known, 'measurement.')), **known)
     _check_consistent(settings)
+    read_timetable(settings.faults.timetable, 'faults.timetable')
     return settings
+
+
+def _group(known: dict[str, Any], prefix: str) -> dict[str, Any]:
+    """Take the values below a prefix out of those known, and return them without it."""
+    names = [name for name in known if name.startswith(prefix)]
+    return {name.removeprefix(prefix): known.pop(name) for name in names}
 
 
 def _check_consistent(settings: NodeSettings) -> None:
