@@ -23,7 +23,7 @@ from typing import Any
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'sensors',
             'discrepancy', 'position_controller', 'control_law', 'state', 'system', 'sticking',
             'memory', 'closed_loop', 'outputs', 'workspace', 'rodas3', 'dormand_prince', 'ahead',
-            'solver', 'kernel')
+            'solver', 'intervals', 'kernel')
 # Parameters are a hundred numbers, and a call hands them over one by one: equations that are
 # inlined into the steps take half the time. If rodas3 were inlined too, it would be compiled at
 # each of its many calls, which takes twice as long and gains nothing.

@@ -30,10 +30,10 @@ class PositionController(NamedTuple):
         'follows it', 0.0, 1.0, 'one that a coil has')] = CONTINUOUS
     gain: Annotated[float, Quantity(
         'A/m', 'K: current per error of position', 0.0, 1e4,
-        'tuned, see config/closed_loop.yaml')] = 0.06
+        'tuned, see config/closed_loop.yaml')] = 0.17
     integral_time: Annotated[float, Quantity(
         's', 'T_i: of the integral part, 0 = none; pulses integrate anyway', 0.0, 1e6,
-        'tuned, see config/closed_loop.yaml')] = 1.5
+        'tuned, see config/closed_loop.yaml')] = 4.2
     derivative_time: Annotated[float, Quantity(
         's', 'T_d: velocity feedback', 0.0, 1e3, 'tuned, see config/closed_loop.yaml')] = 0.0
     derivative_filter: Annotated[float, Quantity(

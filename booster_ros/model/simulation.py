@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from .kernel import interval, parts_of
+from .intervals import interval
+from .kernel import parts_of
 from .memory import CENTRED, DIRECTION, MEMORIES, STANDING, Departure, start_memory
 from .outputs import Outputs, observe, readings
 from .rows import check_finite, checked_rows
