@@ -37,6 +37,7 @@ setup(
             'fake_controller = booster_ros.__main__:fake_controller',
             'simulate = booster_ros.__main__:simulate',
             'close_loop = booster_ros.__main__:close_loop',
+            'metrics = booster_ros.__main__:metrics',
             'paper = booster_ros.__main__:paper',
             'demo = booster_ros.__main__:demo',
         ],

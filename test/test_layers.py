@@ -23,11 +23,12 @@ MAY_IMPORT = {
     'diagnosis': {'model', 'records', 'diagnosis/experiment', 'diagnosis/fitting',
                   'diagnosis/preparing', 'diagnosis/searching'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
+    'metrics': {'records'},
     'paper': {'model', 'records', 'diagnosis/fitting'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'faults', 'parameters', 'control'},
     'testing': {'model', 'parameters', 'nodes', 'programs'},
-    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
+    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'metrics'},
     'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing'},
 }
 """For each folder the others that it may import, with all that lies in them."""
