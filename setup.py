@@ -17,6 +17,7 @@ setup(
         ('share/' + package_name, ['package.xml']),
         ('share/' + package_name + '/launch', glob('launch/*.launch.py')),
         ('share/' + package_name + '/config', glob('config/*')),
+        ('share/' + package_name + '/urdf', glob('urdf/*')),
         # what `ros2 param describe` and the configuration point to
         ('share/' + package_name + '/docs', glob('docs/*.md')),
         ('share/' + package_name + '/docs/images', glob('docs/images/*')),

@@ -227,3 +227,10 @@ def test_the_program_refuses_in_a_sentence(tmp_path, capsys):
     with pytest.raises(SystemExit):
         program.main(['--record', str(source), '--travel', '16 mm'])
     assert 'must be metres' in capsys.readouterr().err
+
+
+def test_a_stem_that_creeps_on_has_not_answered_a_step():
+    time, set_point, position = answers([4e-3, 5e-3, 4.9e-3], 8.0, first_order)
+    creeps = np.where(time > 16.0, position[1599] + 1e-6 * (time - 16.0), position)
+    steps = figures_of(record_of(time, set_point, noisy(creeps, 1e-8))).steps
+    assert [step.change == 0.0 for step in steps] == [False, True]

@@ -24,6 +24,9 @@ NOISE_BAND = 4.0
 LEAST_BAND = 0.01
 """Share of the final change within which a position has not moved yet."""
 
+LEAST_MOTION = 0.1
+"""Share of a step up to which a change of position is no answer to it: a stem that creeps on."""
+
 SETTLED = 0.03
 """Share of the final change within which a settled position rests."""
 
@@ -65,7 +68,7 @@ def _response(course: Course, before: Level, after: Level, noise: float) -> Step
     size, change = after.value - before.value, end - origin
     band = NOISE_BAND * noise
     moment = float(course.time[after.first])
-    if abs(change) <= max(band, 1e-12):
+    if abs(change) <= max(band, LEAST_MOTION * abs(size)):
         return StepResponse(moment, after.first, after.last, size, 0.0, True, None, None, None,
                             None, None, 0.0, after.value - end)
     settled = bool(

@@ -288,3 +288,9 @@ def is_of_effect(parameter: str) -> bool:
     effects have their defaults.
     """
     return parameter in _OF_EFFECTS or parameter.startswith('discrepancy.')
+
+
+def is_optional(parameter: str) -> bool:
+    """Tell whether a parameter goes without saying at its default: of an effect, or of a loop."""
+    return (is_of_effect(parameter) or parameter.startswith('position_controller.')
+            or parameter == 'actuator.plug_area')
