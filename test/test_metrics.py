@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The figures of a valve, where the response is known by formula."""
 
+from itertools import pairwise
 import json
 import math
 
@@ -34,7 +35,7 @@ def answers(levels, dwell, response):
     place = np.minimum((time / dwell + 1e-9).astype(int), len(levels) - 1)
     set_point = np.array(levels)[place]
     position = np.full(len(time), levels[0])
-    for k, (before, after) in enumerate(zip(levels, levels[1:]), 1):
+    for k, (before, after) in enumerate(pairwise(levels), 1):
         position += (after - before) * response(time - k * dwell)
     return time, set_point, position
 
@@ -130,7 +131,7 @@ def test_a_triangle_shows_the_dead_band_where_it_turns():
     changes = [turn.change for turn in figures.turns]
     assert len(changes) == 7
     assert changes == pytest.approx([200e-6] * 7, rel=0.2)
-    assert max(ramp.index for ramp in figures.ramps) < 0.25
+    assert max(ramp.jumpiness for ramp in figures.ramps) < 0.25
 
 
 def test_a_record_without_steps_says_so():
@@ -158,7 +159,7 @@ def test_a_swing_at_a_standing_set_point_is_a_limit_cycle(wave):
     (cycle,) = figures.limit_cycles
     assert cycle.amplitude == pytest.approx(0.2e-3, rel=0.05)
     assert cycle.period == pytest.approx(9.0, rel=0.03)
-    assert least <= cycle.index <= most
+    assert least <= cycle.jumpiness <= most
 
 
 def test_noise_alone_is_no_limit_cycle_and_a_random_walk_neither():

@@ -348,7 +348,7 @@ def test_parameters_that_change_keep_the_stem_where_it_is():
         plant.parameters = loop(values, others)
         plant.advance(4e-3, 1000)
         assert plant.outputs().valve_position == pytest.approx(4e-3, abs=20e-6)
-    with pytest.raises(ValueError, match='position_controller.enabled must stay true'):
+    with pytest.raises(ValueError, match=r'position_controller\.enabled must stay true'):
         plant.parameters = positioner()
 
 

@@ -8,6 +8,7 @@ Dead band: the change of the set point after a reversal that the position does n
 included: how much lower the position stands when it is approached from below (IEC 61298-2).
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -83,7 +84,7 @@ def reversals(course: Course, found: list[Ramp], noise: float, delay: float) -> 
     after which that is more than SLOWEST_SHARE of what is seen are left out: too fast to tell.
     """
     out = []
-    for one, other in zip(found, found[1:]):
+    for one, other in pairwise(found):
         if other.first - one.last > 1 or one.rate * other.rate >= 0.0:
             continue
         moved = np.sign(other.rate) * course.position[other.first:other.last + 1]

@@ -25,7 +25,7 @@ class RampFigure(NamedTuple):
     first: int
     last: int
     rate: float
-    index: float
+    jumpiness: float
 
 
 class Figures(NamedTuple):
@@ -78,9 +78,10 @@ def figures_of(record: Record) -> Figures:
     slow = []
     for ramp in running:
         part = slice(ramp.first, ramp.last + 1)
-        index = stick_slip_index(course.time[part], course.position[part], noise)
-        if index is not None:
-            slow.append(RampFigure(int(rows[ramp.first]), int(rows[ramp.last]), ramp.rate, index))
+        jumpiness = stick_slip_index(course.time[part], course.position[part], noise)
+        if jumpiness is not None:
+            slow.append(RampFigure(
+                int(rows[ramp.first]), int(rows[ramp.last]), ramp.rate, jumpiness))
 
     def in_file(places: tuple[int, ...]) -> tuple[int, ...]:
         return tuple(int(rows[place]) for place in places)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where in a record the set point stands, steps, runs up or down: what figures are taken from."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -44,12 +45,12 @@ def levels(course: Course) -> list[Level]:
     changes = np.flatnonzero(np.diff(course.set_point) != 0.0) + 1
     edges = np.concatenate(([0], changes, [len(course.set_point)]))
     return [Level(int(a), int(b) - 1, float(course.set_point[a]))
-            for a, b in zip(edges[:-1], edges[1:]) if b - a >= FEWEST_ROWS]
+            for a, b in pairwise(edges) if b - a >= FEWEST_ROWS]
 
 
 def steps(found: list[Level]) -> list[tuple[Level, Level]]:
     """Return the pairs of levels that follow each other at once."""
-    return [(one, other) for one, other in zip(found, found[1:]) if other.first == one.last + 1]
+    return [(one, other) for one, other in pairwise(found) if other.first == one.last + 1]
 
 
 def ramps(course: Course, found: list[Level]) -> list[Ramp]:
@@ -60,7 +61,7 @@ def ramps(course: Course, found: list[Level]) -> list[Ramp]:
     edges = np.flatnonzero(np.diff(moves) != 0.0) + 1
     bounds = np.concatenate(([0], edges, [len(moves)]))
     out = []
-    for a, b in zip(bounds[:-1], bounds[1:]):
+    for a, b in pairwise(bounds):
         if moves[a] != 0.0 and b - a >= FEWEST_ROWS:
             length = course.time[b] - course.time[a]
             out.append(Ramp(int(a), int(b), float(

@@ -83,7 +83,7 @@ def _response(course: Course, before: Level, after: Level, noise: float) -> Step
     return StepResponse(
         moment, after.first, after.last, size, change, settled,
         _dead_time(time, share, max(band / abs(change), LEAST_BAND)),
-        *(times if settled else (None, None, None)),
+        *(times if settled else (None,) * len(times)),  # type: ignore[call-arg]
         _overshoot(share, band / abs(change)) if settled else None,
         change / size if settled else None, after.value - end if settled else None)
 

@@ -1,7 +1,7 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Does the stem move in jumps, and does the loop hunt?
+Whether the stem moves in jumps, and whether the loop hunts.
 
 Hunting: the position swings about a set point that stands, with a regular period: the mean time
 between crossings of its middle is more than three times their scatter (N. F. Thornhill, T.
@@ -36,7 +36,7 @@ class LimitCycle(NamedTuple):
     A swing about a set point that stands, in rows `first` to `last`.
 
     `amplitude` is from peak to peak, m, `period` in s, `regularity` the mean time between crossings
-    over its scatter, `index` that of stick-slip, 0 to 1.
+    over its scatter, `jumpiness` the index of stick-slip, 0 to 1.
     """
 
     first: int
@@ -44,7 +44,7 @@ class LimitCycle(NamedTuple):
     amplitude: float
     period: float
     regularity: float
-    index: float
+    jumpiness: float
 
 
 def way_of(position: Array, band: float) -> Array:
@@ -106,10 +106,10 @@ def limit_cycles(course: Course, found: list[Level], noise: float) -> list[Limit
             continue
         between = np.diff(crossings)
         regularity = float(np.mean(between) / max(np.std(between), 1e-3 * np.mean(between)))
-        index = stick_slip_index(time, position, noise)
-        if regularity > REGULAR and index is not None:
+        jumpiness = stick_slip_index(time, position, noise)
+        if regularity > REGULAR and jumpiness is not None:
             cycles.append(LimitCycle(first, level.last, float(np.ptp(position)),
-                                     2.0 * float(np.mean(between)), regularity, index))
+                                     2.0 * float(np.mean(between)), regularity, jumpiness))
     return cycles
 
 

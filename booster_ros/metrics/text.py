@@ -23,7 +23,7 @@ def text_of(figures: Figures, travel: float | None) -> str:
     lines += ['', f'Dead band    {_size(figures.dead_band, factor, unit)}']
     if figures.turns:
         changes = sorted(factor * one.change for one in figures.turns)
-        lines.append(f'             in ramps that turn {changes[0]:.3g} to {changes[-1]:.3g} {unit} '
+        lines.append(f'{"":13}in ramps that turn {changes[0]:.3g} to {changes[-1]:.3g} {unit} '
                      f'(rows {_rows([one.row for one in figures.turns])})')
     lines.append(f'Resolution   {_size(figures.resolution, factor, unit)}')
     if figures.hysteresis is None:
@@ -35,11 +35,12 @@ def text_of(figures: Figures, travel: float | None) -> str:
     for cycle in figures.limit_cycles:
         lines.append(
             f'Limit cycle  {factor * cycle.amplitude:.3g} {unit} from peak to peak every '
-            f'{cycle.period:.3g} s, stick-slip index {cycle.index:.2f} (rows {cycle.first} to '
+            f'{cycle.period:.3g} s, stick-slip index {cycle.jumpiness:.2f} (rows {cycle.first} to '
             f'{cycle.last})')
     if not figures.limit_cycles:
         lines.append('Limit cycle  none at a set point that stands')
-    lines += [f'Stick-slip   index {one.index:.2f} in a ramp of {factor * one.rate:.3g} {unit}/s '
+    lines += [f'Stick-slip   index {one.jumpiness:.2f} in a ramp of '
+              f'{factor * one.rate:.3g} {unit}/s '
               f'(rows {one.first} to {one.last})' for one in figures.ramps]
     return '\n'.join(lines)
 
@@ -51,8 +52,8 @@ def _step(one: StepResponse, factor: float) -> str:
         return f'{one.first:7d} {one.time:9.2f} {factor * one.size:9.3f}   not settled'
     over = 0.0 if one.overshoot is None else 100.0 * one.overshoot
     times = ' '.join(_number(value, 7) for value in (one.dead_time, one.t63, one.t86, one.t98))
-    return (f'{one.first:7d} {one.time:9.2f} {factor * one.size:9.3f} {_number(one.gain, 7)} {times} '
-            f'{over:7.1f} % {factor * (one.offset or 0.0):9.3f}')
+    return (f'{one.first:7d} {one.time:9.2f} {factor * one.size:9.3f} {_number(one.gain, 7)} '
+            f'{times} {over:7.1f} % {factor * (one.offset or 0.0):9.3f}')
 
 
 def _number(value: float | None, width: int) -> str:

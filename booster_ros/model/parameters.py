@@ -6,6 +6,7 @@ from array import array
 from collections.abc import Iterable, Mapping
 import dataclasses
 import difflib
+from itertools import pairwise
 import math
 import numbers
 from typing import Any, NamedTuple, get_type_hints
@@ -174,7 +175,7 @@ def _controller_rules(c: position_controller.PositionController) -> tuple[_Rule,
         _Rule(c.signal_range[0] != c.signal_range[1],
               'position_controller.signal_range must be two currents that differ, got '
               f'{shown(c.signal_range)} A'),
-        _Rule(all(one <= another for one, another in zip(table, table[1:])),
+        _Rule(all(one <= another for one, another in pairwise(table)),
               'position_controller.characteristic_table must not fall from any value to the next, '
               f'got {shown(table)}'),
     )

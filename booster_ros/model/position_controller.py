@@ -87,7 +87,7 @@ class PositionController(NamedTuple):
         '-', 'R of the equal percentage characteristic', 1.001, 1e4, 'IEC 60534-2-4: 50')] = 50.0
     characteristic_table: Annotated[tuple[float, ...], Quantity(
         '-', f'openings at {POINTS} signals from 0 to 1, of the characteristic by table', 0.0, 1.0,
-        'a straight line')] = tuple(round(0.1 * k, 1) for k in range(POINTS))
+        'a straight line')] = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
     tight_shut_off: Annotated[float, Quantity(
         '-', 'signal below which the process valve is driven shut, 0 = none', 0.0, 0.5,
         _NONE)] = 0.0

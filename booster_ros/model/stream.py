@@ -114,8 +114,9 @@ class Stream:
         """
         Start at `time`, settled at a current, the chamber vented.
 
-        A controller starts as if it had long held the state at which the stream begins. `initial` may hold other values of the state (keys `STATE_NAMES`); what a state does not
-        tell may be away from settled by a `departure`. The states `pinned` are given with each
+        A controller starts as if it had long held the state at which the stream begins. `initial`
+        may hold other values of the state (keys `STATE_NAMES`); what a state does not tell may be
+        away from settled by a `departure`. The states `pinned` are given with each
         portion and follow no equation. Intervals between rows that are longer than
         `longest_interval` (s) are divided. ValueError where there is no state of a name, time,
         command or a state is not finite, tolerance or `longest_interval` is not positive.
@@ -219,13 +220,14 @@ class Stream:
         out = np.empty((len(time), OBSERVED))
         if self._machine is None:
             run(self._parameters, self._controller, time.tolist(), command.tolist(),
-                delayed.tolist(), self._pinned, pins, self._state, self._memory, self._active, len(self._active),
-                self._tolerance, self._longest, self._work, out)
+                delayed.tolist(), self._pinned, pins, self._state, self._memory, self._active,
+                len(self._active), self._tolerance, self._longest, self._work, out)
             return out
         self._machine(
             self._parameters, self._controller, time, command, delayed,
-            np.array(self._pinned, dtype=np.int64), pins, self._state, self._memory, np.array(self._active, dtype=np.int64),
-            len(self._active), self._tolerance, self._longest, self._work, out)
+            np.array(self._pinned, dtype=np.int64), pins, self._state, self._memory,
+            np.array(self._active, dtype=np.int64), len(self._active), self._tolerance,
+            self._longest, self._work, out)
         return out
 
     def _keep(self, time: np.ndarray, command: np.ndarray, pins: np.ndarray) -> None:

@@ -120,8 +120,10 @@ class SetPointDrive:
 
     def commands(self, node: Node, rules: CommandRules, *others: Any) -> Commands:
         """Subscribe to the set points."""
+        throttle, changed, arrived = others
         return SetPoints(
-            node, rules, *others, self._position_of, own_name(node, self._joint, 'valve_stem'))
+            node, rules, throttle, changed, arrived, self._position_of,
+            own_name(node, self._joint, 'valve_stem'))
 
     def _position_of(self, current: float) -> float:
         return set_point_of(

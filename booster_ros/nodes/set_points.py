@@ -3,6 +3,7 @@
 """The set points of a positioner that holds its position, from three topics."""
 
 from collections.abc import Callable
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.subscription import Subscription
@@ -36,8 +37,8 @@ class SetPoints(Commands):
         self._others: dict[Subscription, tuple[type, Callable[..., float | None]]] = {
             node.create_subscription(
                 Float64, 'set_point_current', self._on_current, DEPTH): (Float64, self._of_current),
-            node.create_subscription(
-                JointState, 'joint_commands', self._on_joints, DEPTH): (JointState, self._of_joints),
+            node.create_subscription(JointState, 'joint_commands', self._on_joints, DEPTH): (
+                JointState, self._of_joints),
         }
 
     def take_waiting(self) -> None:
@@ -69,7 +70,7 @@ class SetPoints(Commands):
             self._on_command(Float64(data=position))
 
 
-def _taken(subscription: Subscription, kind: type) -> list[tuple[object, int]]:
+def _taken(subscription: Subscription, kind: type) -> list[tuple[Any, int]]:
     """Return the messages that wait to be handled, each with the time of its sending, ns."""
     found = []
     handle = subscription.handle

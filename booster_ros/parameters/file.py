@@ -105,8 +105,8 @@ def write_parameter_file(
     Write a parameter file for any positioner node, complete or not at all.
 
     It holds every parameter of the declared model, those parameters of effects and of the position
-    controller that have a comment or a value other than by default, and those of `node`, the node's own. `heading` becomes the
-    comment above, `comments` (by dotted name) stand behind the units.
+    controller that have a comment or a value other than by default, and those of `node`, the node's
+    own. `heading` becomes the comment above, `comments` (by dotted name) stand behind the units.
     """
     path = Path(path)
     descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')

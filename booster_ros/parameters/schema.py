@@ -62,7 +62,8 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
             '(zero current) until the next one', -1.0, 1.0, 'as without a timeout', (HOLD, VENT)),
         Description(
             'deviation_band', 0.05, '-', 'with a position controller: share of the travel by which '
-            'the position may be off the set point', 0.0, 1.0, 'usual for a travel deviation alert'),
+            'the position may be off the set point', 0.0, 1.0,
+            'usual for a travel deviation alert'),
         Description(
             'deviation_delay', 10.0, 's', 'simulated time for which it must be further off before '
             '/diagnostics warns', 0.0, 1e9, 'usual: longer than a full stroke'),
@@ -221,9 +222,7 @@ def checked_as(description: Description, value: Any) -> Any:
     """Return a value of the kind and range that a description asks for, see `checked`."""
     name, default = description.name, description.default
     if isinstance(default, bool):
-        if not isinstance(value, bool):
-            raise ParameterError(f'{name} must be true or false, got {shown(value)}')
-        return value
+        return checked_value(description, value)
     if isinstance(default, str) and not description.choices:
         if not isinstance(value, str):
             raise ParameterError(f'{name} must be a text, got {shown(value)}')
@@ -234,10 +233,6 @@ def checked_as(description: Description, value: Any) -> Any:
             raise ParameterError(
                 f'{name} must be a whole number from {description.low:g} to '
                 f'{description.high:g}, got {shown(value)}')
-        return value
-    if isinstance(default, str) and not description.choices:
-        if not isinstance(value, str):
-            raise ParameterError(f'{name} must be a text, got {shown(value)}')
         return value
     result = checked_value(description, value)
     return description.choices[result] if description.choices else result
