@@ -174,7 +174,7 @@ def test_a_current_is_no_input_and_the_controller_stays_on(bench):
     (['-p', 'joint_name:=v7', '-p', 'frame_id:=flange'], 'v7', 'flange')])
 def test_joints_and_frames_are_told_apart_by_their_namespace(given, joint, frame):
     with positioner_here('-r', '__ns:=/line_a', *given) as node:
-        message = node._outputs._position_of(node._plant, node._outputs._header(0))
+        message = node._outputs._position_of(node._plant.outputs(), node._outputs._header(0))
         assert (message.name, message.header.frame_id) == ([joint], frame)
 
 
@@ -194,7 +194,7 @@ def test_the_fake_controller_plays_set_points_and_records_them(tmp_path):
         record_bag=bag)
     with start(*there, *arguments()), RosProcess(
             program('fake_controller', '--ros-args', *there, *played)) as node:
-        assert node.wait() == 0, node.output
+        assert node.wait(120.0) == 0, node.output
     record = read_record(csv)
     assert list(record.columns) == ['time', 'set_point', 'chamber_pressure', 'valve_position']
     assert set(record['set_point']) == {0.004, 0.006}

@@ -28,6 +28,7 @@ class Commands:
     """
 
     TOPIC = 'control_current'
+    TOPICS: tuple[str, ...] = (TOPIC,)
 
     def __init__(
         self, node: Node, rules: CommandRules, throttle: Throttle,
@@ -35,6 +36,7 @@ class Commands:
     ) -> None:
         """Subscribe, with the QoS that `qos_overrides` ask for; ParameterError if they cannot."""
         self.guard = CommandGuard(rules)
+        self._node = node
         self._logger = node.get_logger()
         self._throttle = throttle
         self._changed = changed
@@ -48,6 +50,10 @@ class Commands:
         except (AssertionError, AttributeError, RuntimeError, TypeError, ValueError) as error:
             problem = error if isinstance(error, RuntimeError) else 'a value of the wrong kind'
             raise ParameterError(f'qos_overrides of {self.TOPIC}: {problem}') from None
+
+    def commanders(self) -> int:
+        """Return how many publishers of commands there are."""
+        return sum(map(self._node.count_publishers, self.TOPICS))
 
     def at_tick(self, simulated: int) -> float:
         """Return the current, A, for the tick that starts at this simulated time (ns)."""

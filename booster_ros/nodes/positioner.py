@@ -126,7 +126,7 @@ class Positioner(Node):
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics, clock=self._steady_clock)
         self._ready = Ready(self)
-        self._kick_off = KickOff(self, self._outputs, self._kick)
+        self._kick_off = KickOff(self, self._commands, self._outputs, self._kick)
         if settings.step_on_command:
             self._kick_off.begin()
         self._ticking.start()

@@ -24,6 +24,7 @@ class SetPoints(Commands):
     """
 
     TOPIC = 'set_point'
+    TOPICS = (TOPIC, 'set_point_current', 'joint_commands')
 
     def __init__(
         self, node: Node, rules: CommandRules, throttle: Throttle,
