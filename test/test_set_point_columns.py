@@ -147,5 +147,5 @@ def test_the_fake_controller_takes_set_points_in_metres(tmp_path):
     profile = select_profile(check({
         'mode': 'set_point', 'profile': 'csv', 'csv_file': str(path)}))
     assert (profile.value(0.5), profile.value(1.5), profile.duration) == (0.004, 0.006, 3.0)
-    with pytest.raises(ParameterError, match='levels: 6 is not plausible in m'):
-        select_profile(check({'mode': 'set_point', 'levels': [0.004, 6.0]}))
+    with pytest.raises(ParameterError, match=r'levels: 0\.6 is not plausible in m'):
+        select_profile(check({'mode': 'set_point', 'levels': [0.004, 0.6]}))
