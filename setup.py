@@ -17,6 +17,7 @@ setup(
         ('share/' + package_name, ['package.xml']),
         ('share/' + package_name + '/launch', glob('launch/*.launch.py')),
         ('share/' + package_name + '/config', glob('config/*')),
+        ('share/' + package_name + '/urdf', glob('urdf/*')),
         # what `ros2 param describe` and the configuration point to
         ('share/' + package_name + '/docs', glob('docs/*.md')),
         ('share/' + package_name + '/docs/images', glob('docs/images/*')),
@@ -37,6 +38,7 @@ setup(
             'fake_controller = booster_ros.__main__:fake_controller',
             'simulate = booster_ros.__main__:simulate',
             'close_loop = booster_ros.__main__:close_loop',
+            'metrics = booster_ros.__main__:metrics',
             'paper = booster_ros.__main__:paper',
             'demo = booster_ros.__main__:demo',
             'campaign = booster_ros.__main__:campaign',

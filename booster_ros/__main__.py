@@ -15,10 +15,15 @@ PROGRAMS = {
         'booster_ros.nodes.fake_controller',
         'a node that plays a current profile or closes the position loop, and can record',
     ),
-    'simulate': ('booster_ros.programs.simulate', 'run the model over a table of currents'),
+    'simulate': (
+        'booster_ros.programs.simulate', 'run the model over a table of currents or set points'),
     'close_loop': (
         'booster_ros.programs.close_loop',
         'say what the model lacks, judged by a record, and write the model that has it',
+    ),
+    'metrics': (
+        'booster_ros.programs.metrics',
+        'step response, dead band and hunting of a valve, from set point and position',
     ),
     'paper': ('booster_ros.programs.paper', "reproduce the paper's tables and identification"),
     'demo': (
@@ -74,7 +79,7 @@ def start(name: str, args: list[str] | None = None) -> int:
 
 
 # what setup.py installs
-positioner, fake_controller, simulate, close_loop, paper, demo, campaign = (
+positioner, fake_controller, simulate, close_loop, metrics, paper, demo, campaign = (
     partial(start, name) for name in PROGRAMS)
 
 

@@ -90,4 +90,4 @@ def test_of_one_block_no_standard_error_is_known():
 
 
 def test_a_tie_is_odds_of_twenty():
-    assert TIE == pytest.approx(log(20.0))
+    assert pytest.approx(log(20.0)) == TIE

@@ -29,12 +29,14 @@ MAY_IMPORT = {
     'diagnosis': {'model', 'records', 'diagnosis/data', 'diagnosis/estimation',
                   'diagnosis/hypotheses', 'diagnosis/judging', 'diagnosis/selection'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
+    'metrics': {'records'},
     'paper': {'model', 'records', 'diagnosis/estimation'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'faults', 'parameters', 'control'},
     'testing': {'model', 'parameters', 'nodes', 'programs'},
     'campaign': set(),  # judges the diagnosis as a program, of whatever state
-    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign'},
+    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign',
+                 'metrics'},
     'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing'},
 }
 """For each folder the others that it may import, with all that lies in them."""

@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 import pytest
 import yaml
 
-from booster_ros.model.catalogue import is_of_effect
+from booster_ros.model.catalogue import is_of_effect, is_optional
 from booster_ros.model.parameters import DESCRIPTIONS, ParameterError, from_values, to_values
 from booster_ros.parameters.file import read_parameter_file, write_parameter_file
 from booster_ros.parameters.sections import is_for
@@ -210,7 +210,7 @@ def test_of_effects_what_is_as_by_default_is_not_written_unless_there_is_a_comme
     write_parameter_file(path, from_values(values), comments=comments)
     written = set(read_parameter_file(path).physical)
     assert {name for name in written if is_of_effect(name)} == names
-    assert written - names == {name for name in DESCRIPTIONS if not is_of_effect(name)}
+    assert written - names == {name for name in DESCRIPTIONS if not is_optional(name)}
 
 
 def test_a_written_file_is_plain_yaml_with_floats_that_every_reader_takes_for_floats(tmp_path):

@@ -140,7 +140,7 @@ def test_without_time_a_record_is_a_sweep_in_row_order(tmp_path):
     assert list(record['chamber_pressure']) == [0.0, 150_000.0, 0.0, 300_000.0]
 
 
-@pytest.mark.parametrize('name', ['row', 'Index', 'n', 'no.', 'sample', 'force', 'set point', 's'])
+@pytest.mark.parametrize('name', ['row', 'Index', 'n', 'no.', 'sample', 'force', 'demand', 's'])
 def test_a_sweep_may_have_a_column_that_rises_as_time_does(tmp_path, name):
     rows = (f'{k},{1000 * k},{1e-5 * k:.6f}' for k in range(300))
     record = read_lines(tmp_path, [f'{name},chamber_pressure,valve_position', *rows])

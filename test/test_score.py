@@ -63,7 +63,7 @@ def test_what_is_left_is_told_block_by_block_over_all_channels():
     problem, fit, *_ = linear()
     found = score_of(problem, fit, BLOCK_OF_ROW)
     for block, cost in enumerate(found.costs):
-        assert cost == pytest.approx(np.sum(fit.residuals[:ROWS][BLOCK == block]**2))
+        assert cost == pytest.approx(np.sum(fit.residuals[:ROWS][block == BLOCK]**2))
     assert found.cost == pytest.approx(found.costs.sum())
     assert found.cost + found.prior == pytest.approx(fit.cost)
     assert found.observed == ROWS

@@ -268,12 +268,12 @@ def lost():
     watch = weakref.ref(held, lambda _: os.kill(os.getpid(), signal.SIGTERM))
     del held
 
-begin, move = program.start_of_readings, os.replace
+begin, move = program.start_of_run, os.replace
 def begin_and(stop):
     def interrupted(*given):
         stop()
         return begin(*given)
-    program.start_of_readings = interrupted
+    program.start_of_run = interrupted
 def move_and(stop):
     def interrupted(*paths):
         move(*paths)

@@ -7,7 +7,7 @@ import numpy as np
 from booster_ros.control import profiles
 from booster_ros.control.profiles import Profile, ProfileError
 from booster_ros.control.settings import (
-    CSV, POSITION, SINES, STAIRCASE, TRIANGLE, ControllerSettings)
+    CSV, CURRENT, POSITION, SET_POINT, SINES, STAIRCASE, TRIANGLE, ControllerSettings)
 from booster_ros.model.parameters import ParameterError
 from booster_ros.records import Record, RecordError, read_record
 
@@ -16,6 +16,9 @@ PLAUSIBLE_CURRENT = 0.1
 
 PLAUSIBLE_TRAVEL = 0.5
 """Largest plausible position, m; a larger one is meant in mm or %."""
+
+_PLAYED = {CURRENT: 'control_current', POSITION: 'valve_position', SET_POINT: 'set_point'}
+"""Column of a record that is played, by mode."""
 
 
 def select_profile(settings: ControllerSettings) -> Profile:
@@ -41,7 +44,7 @@ def _make(settings: ControllerSettings) -> Profile:
 
 
 def _check_plausible(settings: ControllerSettings) -> None:
-    is_position = settings.mode == POSITION
+    is_position = settings.mode != CURRENT
     largest = PLAUSIBLE_TRAVEL if is_position else PLAUSIBLE_CURRENT
     for name, value in (
         *(('levels', level) for level in settings.levels),
@@ -54,7 +57,7 @@ def _check_plausible(settings: ControllerSettings) -> None:
 
 
 def _from_csv(settings: ControllerSettings) -> Profile:
-    column = 'valve_position' if settings.mode == POSITION else 'control_current'
+    column = _PLAYED[settings.mode]
     try:
         record = read_record(settings.csv_file)
     except RecordError as error:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from booster_ros.model.parameters import Description, ParameterError, shown, unknown_name
 from booster_ros.parameters.schema import checked_as
 
-CURRENT, POSITION = 'current', 'position'
+CURRENT, POSITION, SET_POINT = 'current', 'position', 'set_point'
 STEPS, STAIRCASE, TRIANGLE, SINES, CSV = 'steps', 'staircase', 'triangle', 'sines', 'csv'
 AUTO, PLAIN, STAMPED = 'auto', 'plain', 'stamped'
 MCAP, SQLITE3 = 'mcap', 'sqlite3'
@@ -21,8 +21,9 @@ DESCRIPTIONS: dict[str, Description] = {
     description.name: description
     for description in (
         Description(
-            'mode', CURRENT, '-', 'what the profile is: the control current itself, or the set '
-            'point of the position loop', -1.0, 1.0, _PAPER, (CURRENT, POSITION)),
+            'mode', CURRENT, '-', 'what the profile is: the control current itself, the set point '
+            'of the position loop, or that of a positioner with a position controller of its own',
+            -1.0, 1.0, _PAPER, (CURRENT, POSITION, SET_POINT)),
         Description(
             'rate', 100.0, 'Hz', 'commands per second', 0.01, 10_000.0, "the positioner's rate"),
         Description(
@@ -54,7 +55,8 @@ DESCRIPTIONS: dict[str, Description] = {
             'a first period from rest, a second one settled'),
         Description(
             'csv_file', '', '-', 'record whose time and control_current (valve_position in the '
-            'position loop) are played, held from row to row', -1.0, 1.0, 'none'),
+            'position loop, set_point in mode set_point) are played, held from row to row',
+            -1.0, 1.0, 'none'),
         Description(
             'loop', False, '-', 'play the profile again and again until told to end', 0.0, 1.0,
             'a test ends'),

@@ -103,6 +103,10 @@ class Actuator(NamedTuple):
         -1e6, 1e6)] = 0.0
     flow_force_decay: Annotated[float, Quantity(
         '-', 'flow_force: travel fraction over which it falls to 37 %', 0.01, 10.0)] = 0.3
+    plug_area: Annotated[float, Quantity(
+        'm^2', 'area on which the pressure drop over the process valve pushes the stem towards '
+        'where it rests vented; negative: away from there', -10.0, 10.0,
+        'neutral: a balanced plug')] = 0.0
 
 
 def diaphragm_area(act: Actuator, position: float) -> float:
@@ -164,6 +168,11 @@ def stem_force(act: Actuator, pressure: float, position: float, velocity: float,
         + stop_force(act, position, velocity)
         + discrepancy
     )
+
+
+def process_force(act: Actuator, pressure_drop: float) -> float:
+    """Return the force of the process on the stem, N, from the drop over its valve, Pa."""
+    return -act.plug_area * pressure_drop
 
 
 def has_dry_friction(act: Actuator) -> bool:

@@ -249,6 +249,12 @@ def is_of_effect(parameter: str) -> bool:
     return parameter in _OF_EFFECTS or parameter.startswith('discrepancy.')
 
 
+def is_optional(parameter: str) -> bool:
+    """Tell whether a parameter goes without saying at its default: of an effect, or of a loop."""
+    return (is_of_effect(parameter) or parameter.startswith('position_controller.')
+            or parameter == 'actuator.plug_area')
+
+
 def has_part(p: PositionerParameters, effect: Effect) -> bool:
     """Tell whether a rig has what an effect is in: the booster, or the stem and its sensor."""
     if effect.location == 'booster':
@@ -258,4 +264,4 @@ def has_part(p: PositionerParameters, effect: Effect) -> bool:
     return True
 
 
-__all__ = ['EFFECTS', 'Effect', 'Knob', 'has_part', 'is_of_effect']
+__all__ = ['EFFECTS', 'Effect', 'Knob', 'has_part', 'is_of_effect', 'is_optional']

@@ -21,12 +21,14 @@ import types
 from typing import Any
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'chamber', 'sensors',
-            'discrepancy', 'state', 'present_term', 'system', 'sticking', 'memory', 'outputs',
-            'workspace', 'rodas3', 'dormand_prince', 'ahead', 'solver', 'kernel')
+            'discrepancy', 'position_controller', 'control_law', 'state', 'present_term', 'system',
+            'sticking', 'memory', 'closed_loop', 'outputs', 'workspace', 'rodas3', 'dormand_prince',
+            'ahead', 'solver', 'intervals', 'kernel')
 # Parameters are a hundred numbers, and a call hands them over one by one: equations that are
 # inlined into the steps take half the time. If rodas3 were inlined too, it would be compiled at
 # each of its many calls, which takes twice as long and gains nothing.
-_INLINED = frozenset(_MODULES) - {'workspace', 'rodas3', 'solver', 'kernel'}
+_INLINED = frozenset(_MODULES) - {
+    'workspace', 'rodas3', 'solver', 'kernel', 'position_controller', 'control_law', 'closed_loop'}
 _PYTHON = f'py{sys.version_info.major}{sys.version_info.minor}'
 _PLAIN = {'new_workspace', 'balance_position'}
 

@@ -19,7 +19,7 @@ COLUMNS = ('chamber_pressure', 'valve_position')
 def simulate_ensemble(
     parameter_sets: Sequence[PositionerParameters],
     time: np.ndarray,
-    control_current: np.ndarray,
+    command: np.ndarray,
     columns: Sequence[str] = COLUMNS,
     initial: Mapping[str, float] | None = None,
     pinned: Mapping[str, np.ndarray] | None = None,
@@ -30,6 +30,8 @@ def simulate_ensemble(
     """
     Simulate every parameter set over the same rows, with the same bits as `simulate`.
 
+    `command` is a control current, A, or a set point, m, as there.
+
     Return arrays of shape (sets, rows), SI, for the `columns` asked for (names of `Outputs`).
     Machine code runs outside Python's lock, so that `threads` (default: as many as cores) share
     the work; they share no state, so their number changes nothing else. ValueError where
@@ -39,7 +41,7 @@ def simulate_ensemble(
 
     def run(k: int) -> None:
         outcome = simulate(
-            parameter_sets[k], time, control_current, initial, pinned, tolerance, compiled)
+            parameter_sets[k], time, command, initial, pinned, tolerance, compiled)
         for name, rows in kept.items():
             rows[k] = outcome[name]
 

@@ -1,53 +1,43 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The loop over intervals of standing inputs, for one interval and for a whole record."""
+"""The loop over intervals of standing inputs, for one command and for a whole record."""
 
-from .ahead import covers, go_along
-from .memory import STANDING, STEP_AHEAD, TRIAL_STEP, measure, seen_current
+from .closed_loop import arriving_current, follow_stem, present_current, recall, sample
+from .control_law import NEARLY
+from .intervals import interval
+from .memory import EP_PLAY
 from .outputs import observe
-from .solver import Workspace, advance
-from .state import CHAMBER, POSITION, STATES
+from .position_controller import PositionController
+from .solver import Workspace
+from .state import STATES
 from .supply import longest_hold
-from .system import PositionerParameters, depends_on_time, follow_play, hold_inactive_states
-
-LONGEST_STEP = 0.5
-"""Longest step over several intervals, s, which is made only while the current stands."""
+from .system import PositionerParameters, hold_inactive_states
 
 OBSERVED = 15
 """Number of columns that `run` writes: the fields of `Outputs`."""
 
 
-def interval(
-    p: PositionerParameters, time: float, length: float, current: float, pinned, y, memory,
-    active, count: int, tolerance: float, w: Workspace,
+def controlled_interval(
+    p: PositionerParameters, c: PositionController, time: float, length: float,
+    set_point: float, pinned, y, memory, active, count: int, tolerance: float, w: Workspace,
 ) -> float:
     """
-    Take the positioner over `length` s with the current standing at `current` A.
+    Take the positioner over `length` s with the set point standing at `set_point` m.
 
-    Return the current that the E/P converter acted on, A. `y` and `memory` change in place. The
-    states in `pinned` are given in `y` and are not among the `active`.
+    The interval is divided where the controller samples. Return and the rest as in `interval`.
     """
-    middle = time + 0.5 * length  # what depends on time stands over an interval, as a current does
-    seen = seen_current(p, memory, current)
-    before = (y[CHAMBER], y[POSITION])
-    stands = seen == memory[STANDING] and len(pinned) == 0
-    if stands and covers(memory, length):
-        go_along(y, memory, length, active, count, w)
-    else:
-        hold_inactive_states(p, middle, y, pinned)
-        # a current that has stood over an interval is trusted to stand on
-        longest_ahead = 0.0
-        if stands and not depends_on_time(p):
-            longest_ahead = LONGEST_STEP
-        else:
-            memory[STANDING] = seen
-            memory[STEP_AHEAD] = 0.0
-            memory[TRIAL_STEP] = min(memory[TRIAL_STEP], length)
-        advance(
-            p, middle, seen, length, y, memory, active, count, tolerance, w, longest_ahead)
-    hold_inactive_states(p, time + length, y, pinned)
-    follow_play(p, y)
-    measure(p, memory, before, y, length)
+    seen, passed = memory[EP_PLAY], 0.0
+    while passed < length:
+        sample(c, p.actuator.travel, set_point, memory)
+        due, rest = recall(memory).due, length - passed
+        part = rest if due >= rest - NEARLY * c.period else due
+        since = c.period - due
+        current = arriving_current(
+            c, p.ep_converter.dead_time, since, since + part, memory)
+        seen = interval(
+            p, time + passed, part, current, pinned, y, memory, active, count, tolerance, w)
+        follow_stem(c, y, part, memory)
+        passed = length if part == rest else passed + part
     return seen
 
 
@@ -57,23 +47,29 @@ def parts_of(p: PositionerParameters, length: float, longest: float) -> int:
 
 
 def run(
-    p: PositionerParameters, times, currents, delayed, pinned, pins, y, memory, active,
-    count: int, tolerance: float, longest: float, w: Workspace, out,
+    p: PositionerParameters, c: PositionController, times, commands, delayed, pinned, pins, y,
+    memory, active, count: int, tolerance: float, longest: float, w: Workspace, out,
 ) -> None:
     """
     Simulate a record: row k of `out` is what is seen at times[k].
 
-    `currents[k]` (commanded) and `delayed[k]` (after the dead time) stand from times[k] to
-    times[k + 1]; of rows with the same stamp the last one counts. The states in `pinned` follow
+    `commands[k]` (a current, A) and `delayed[k]` (after the dead time) stand from times[k] to
+    times[k + 1]; of rows with the same stamp the last one counts. With the controller `c` enabled
+    a command is a set point, m, and `delayed` is of no account. The states in `pinned` follow
     their column of `pins` instead of the equations. Intervals longer than `longest` s, or than a
     ripple may be held, are divided.
     """
-    seen = delayed[0]
+    seen = memory[EP_PLAY] if c.enabled else delayed[0]
     for k in range(len(times)):
         for s in pinned:
             y[s] = pins[k, s]
         hold_inactive_states(p, times[k], y, pinned)
-        row = observe(p, times[k], currents[k], seen, y, memory)
+        current = commands[k]
+        if c.enabled:
+            if k + 1 < len(times) and times[k + 1] > times[k]:
+                sample(c, p.actuator.travel, commands[k], memory)
+            current = present_current(c, p.actuator.travel, commands[k], memory)
+        row = observe(p, times[k], current, seen, y, memory)
         for j in range(OBSERVED):
             out[k, j] = row[j]
         if k + 1 == len(times):
@@ -87,9 +83,14 @@ def run(
                 share = (part + 0.5) / parts
                 y[s] = pins[k, s] * (1.0 - share) + pins[k + 1, s] * share
             start = times[k] + part * length / parts
-            seen = interval(
-                p, start, length / parts, delayed[k], pinned, y, memory, active, count,
-                tolerance, w)
+            if c.enabled:
+                seen = controlled_interval(
+                    p, c, start, length / parts, commands[k], pinned, y, memory, active, count,
+                    tolerance, w)
+            else:
+                seen = interval(
+                    p, start, length / parts, delayed[k], pinned, y, memory, active, count,
+                    tolerance, w)
 
 
-__all__ = ['OBSERVED', 'STATES', 'interval', 'run']
+__all__ = ['OBSERVED', 'STATES', 'controlled_interval', 'interval', 'run']

@@ -6,15 +6,16 @@ from array import array
 from collections.abc import Iterable, Mapping
 import dataclasses
 import difflib
+from itertools import pairwise
 import math
 import numbers
 from typing import Any, NamedTuple, get_type_hints
 
-from . import discrepancy
+from . import discrepancy, position_controller
 from .quantity import Quantity
 from .system import PositionerParameters
 
-Value = float | str | tuple[float, ...]
+Value = float | str | bool | tuple[float, ...]
 
 _CHOICES = {
     'booster.orifice_law': ('iso_6358', 'isentropic'),
@@ -22,6 +23,9 @@ _CHOICES = {
     'actuator.kind': ('stem', 'vessel'),
     'discrepancy.location': discrepancy.LOCATIONS,
     'discrepancy.variable': discrepancy.VARIABLES,
+    'position_controller.output': position_controller.OUTPUTS,
+    'position_controller.action': position_controller.ACTIONS,
+    'position_controller.characteristic': position_controller.CHARACTERISTICS,
 }
 
 LONGEST_QUOTE = 60
@@ -124,6 +128,10 @@ def checked_value(description: Description, value: Any) -> Any:
             raise ParameterError(
                 f'{name} must be one of {", ".join(description.choices)}, got {shown(value)}')
         return description.choices.index(value)
+    if isinstance(description.default, bool):
+        if not isinstance(value, bool):
+            raise ParameterError(f'{name} must be true or false, got {shown(value)}')
+        return value
     if isinstance(description.default, tuple):
         size = len(description.default)
         if isinstance(value, (str, bytes)) or not hasattr(value, '__len__') or len(value) != size:
@@ -161,6 +169,20 @@ class _Rule(NamedTuple):
     sentence: str
 
 
+def _controller_rules(c: position_controller.PositionController) -> tuple[_Rule, ...]:
+    table = c.characteristic_table
+    return (
+        _Rule(c.current_limits[0] < c.current_limits[1],
+              f'position_controller.current_limits must rise, got {shown(c.current_limits)} A'),
+        _Rule(c.signal_range[0] != c.signal_range[1],
+              'position_controller.signal_range must be two currents that differ, got '
+              f'{shown(c.signal_range)} A'),
+        _Rule(all(one <= another for one, another in pairwise(table)),
+              'position_controller.characteristic_table must not fall from any value to the next, '
+              f'got {shown(table)}'),
+    )
+
+
 def check_consistent(p: PositionerParameters) -> None:
     """Raise ParameterError where parameters, each fine by itself, contradict each other."""
     b, s, a, d = p.booster, p.supply, p.actuator, p.discrepancy
@@ -190,6 +212,7 @@ def check_consistent(p: PositionerParameters) -> None:
         _Rule(discrepancy.can_depend(d.location, d.variable),
               f'discrepancy.variable: {discrepancy.VARIABLES[d.variable]} is nothing that a term '
               f'in {discrepancy.LOCATIONS[d.location]} can follow'),
+        *_controller_rules(p.position_controller),
     )
     for rule in rules:
         if not rule.holds:

@@ -12,26 +12,27 @@ from .state import STATE_NAMES
 
 
 class Rows(NamedTuple):
-    """Time (s), current (A) and pinned states (SI, by name), finite, of shape (n,), n > 0."""
+    """Time (s), command and pinned states (SI, by name), finite, of shape (n,), n > 0."""
 
     time: np.ndarray
-    control_current: np.ndarray
+    command: np.ndarray
     pinned: dict[str, np.ndarray]
 
 
 def checked_rows(
-    time: np.ndarray, control_current: np.ndarray, pinned: Mapping[str, np.ndarray] | None
+    time: np.ndarray, command: np.ndarray, pinned: Mapping[str, np.ndarray] | None,
+    command_name: str = 'control_current',
 ) -> Rows:
     """
-    Return rows that a simulation may run over.
+    Return rows that a simulation may run over; `command_name` is what a complaint calls a command.
 
     ValueError where shapes differ, there is no such state, a value is not finite or time falls.
     """
     t = np.ascontiguousarray(time, dtype=float)
-    current = np.ascontiguousarray(control_current, dtype=float)
-    if t.ndim != 1 or t.shape != current.shape or len(t) == 0:
+    commands = np.ascontiguousarray(command, dtype=float)
+    if t.ndim != 1 or t.shape != commands.shape or len(t) == 0:
         raise ValueError(
-            'time and control_current must be equally long, one-dimensional, not empty')
+            f'time and {command_name} must be equally long, one-dimensional, not empty')
     held = {name: np.asarray(series, dtype=float) for name, series in (pinned or {}).items()}
     check_states('pinned', held)
     for name, series in held.items():
@@ -39,14 +40,14 @@ def checked_rows(
             raise ValueError(
                 f'pinned {name} must have a value for each of the {len(t)} rows, got the shape '
                 f'{series.shape}')
-    for name, series in (('time', t), ('control_current', current), *held.items()):
+    for name, series in (('time', t), (command_name, commands), *held.items()):
         finite = np.isfinite(series)
         if not finite.all():
             row = int(np.argmin(finite))
             check_finite(f'{name}[{row}]', float(series[row]))
     if not np.all(np.diff(t) >= 0.0):
         raise ValueError('time must not fall from row to row')
-    return Rows(t, current, held)
+    return Rows(t, commands, held)
 
 
 def check_states(role: str, names: Iterable[str]) -> None:

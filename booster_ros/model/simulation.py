@@ -8,14 +8,16 @@ import math
 
 import numpy as np
 
-from .kernel import interval, parts_of
+from .intervals import interval
+from .kernel import parts_of
 from .memory import CENTRED, DIRECTION, MEMORIES, STANDING, Departure, start_memory
 from .outputs import Outputs, observe, readings
 from .rows import check_finite, checked_rows
 from .solver import new_workspace
-from .state import PAST, PRESLIDING
+from .state import PAST, PRESLIDING, PRESSURE_DROP
 from .sticking import dry_friction, sliding_direction, sticks
-from .stream import DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, settled_state
+from .stream import (
+    DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, command_name, settled_state)
 from .system import (
     PositionerParameters, booster_force, hold_inactive_states, is_active, rest_in_play,
     settled_past)
@@ -39,6 +41,7 @@ class Plant:
         self._step = step
         self._work = new_workspace()
         self._parameters = parameters
+        self._drop = 0.0
         self.reset()
 
     @property
@@ -78,6 +81,18 @@ class Plant:
         """Simulated seconds since the reset."""
         return self._steps * self._step
 
+    @property
+    def pressure_drop(self) -> float:
+        """The pressure drop over the process valve, Pa; a reset keeps it."""
+        return self._drop
+
+    @pressure_drop.setter
+    def pressure_drop(self, pressure_drop: float) -> None:
+        check_finite('pressure_drop', pressure_drop)
+        if pressure_drop != self._drop:
+            self._drop = self._y[PRESSURE_DROP] = pressure_drop
+            self._memory[STANDING] = math.nan  # a step ahead was for another force
+
     def reset(
         self, chamber_pressure: float = 0.0, valve_position: float | None = None,
         control_current: float = 0.0,
@@ -92,25 +107,26 @@ class Plant:
         self._current = control_current
         self._history = [control_current]
         self._seen = control_current
-        self._y = settled_state(p, control_current, chamber_pressure, valve_position)
+        self._y = settled_state(
+            p, control_current, chamber_pressure, valve_position, pressure_drop=self._drop)
         self._memory = [0.0] * MEMORIES
         start_memory(p, control_current, self._y, self._step, self._memory)
         self._active = active_states(p)
 
-    def advance(self, control_current: float, steps: int) -> None:
+    def advance(self, command: float, steps: int) -> None:
         """
-        Let `steps` × step seconds pass with the command standing at `control_current` (A).
+        Let `steps` × step seconds pass with the control current standing at `command` (A).
 
         ValueError where the current is not finite or `steps` is negative; nothing has changed then.
         """
-        check_finite('control_current', control_current)
+        check_finite('control_current', command)
         if steps < 0:
             raise ValueError(f'steps must not be negative, got {steps}')
-        self._current = control_current
+        self._current = command
         parts = parts_of(self._parameters, self._step, self._step)
         length = self._step / parts
         for _ in range(steps):
-            delayed = self._delayed(control_current)
+            delayed = self._delayed(command)
             for part in range(parts):
                 self._seen = interval(
                     self._parameters, self.time + part * length, length, delayed, (),
@@ -159,7 +175,7 @@ class Simulation:
 def simulate(
     parameters: PositionerParameters,
     time: np.ndarray,
-    control_current: np.ndarray,
+    command: np.ndarray,
     initial: Mapping[str, float] | None = None,
     pinned: Mapping[str, np.ndarray] | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
@@ -170,17 +186,18 @@ def simulate(
     """
     Simulate over the rows of a record, shape (n,) each: time in s, control current in A.
 
-    A current stands from its row to the next. `initial` may hold values of the state at the first
+    Where the parameters enable the position controller, the command is a set point in m instead.
+    A command stands from its row to the next. `initial` may hold values of the state at the first
     row (keys `STATE_NAMES`); what it lacks starts settled, with the chamber vented.
     `pinned` channels (same keys) follow the given series instead of the equations. `departure` is
     how far from settled the model starts. Intervals between rows that are longer than
     `longest_interval` (s) are divided. ValueError where shapes or times do not fit, there is no
     state of a name, a value is not finite, tolerance or `longest_interval` is not positive.
     """
-    rows = checked_rows(time, control_current, pinned)
+    rows = checked_rows(time, command, pinned, command_name(parameters))
     start = {**(initial or {}), **{name: float(series[0]) for name, series in rows.pinned.items()}}
     stream = Stream(
-        parameters, float(rows.time[0]), float(rows.control_current[0]), start, tuple(rows.pinned),
+        parameters, float(rows.time[0]), float(rows.command[0]), start, tuple(rows.pinned),
         tolerance, compiled, departure, longest_interval)
     columns = stream.go_on(rows)
     return Simulation(columns, stream.state)

@@ -7,20 +7,24 @@ from typing import Any
 
 import numpy as np
 
-from .actuator import balance_position
+from .actuator import balance_position, process_force
+from .closed_loop import size_of_memory, start_controller
 from .compiled import compiled_run
 from .discrepancy import EP_CONVERTER, STEM
 from .ep_converter import settled_back_pressure
+from .holding import holding_current
 from .kernel import OBSERVED, run
-from .memory import CENTRED, MEMORIES, Departure, start_current, start_memory
+from .memory import CENTRED, Departure, start_current, start_memory
 from .outputs import Outputs
 from .rows import Rows, check_finite, check_positive, check_states, checked_rows
 from .solver import Workspace, new_workspace
 from .state import (
-    BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, STATE_NAMES, STATES, SUPPLY, TEMPERATURE)
+    BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, PRESSURE_DROP, STATE_NAMES, STATES, SUPPLY,
+    TEMPERATURE)
 from .sticking import held_force
 from .system import (
-    PositionerParameters, discrepancy_at, hold_inactive_states, is_active, is_direct, rest_in_play,
+    PositionerParameters, discrepancy_at, hold_inactive_states, is_active, is_direct, plant_of,
+    rest_in_play,
     settled_past, undrawn_supply)
 
 LONGEST_INTERVAL = 0.02
@@ -35,13 +39,13 @@ DEFAULT_TOLERANCE = 1.0
 
 def settled_state(
     p: PositionerParameters, current: float, chamber_pressure: float,
-    valve_position: float | None, time: float = 0.0,
+    valve_position: float | None, time: float = 0.0, pressure_drop: float = 0.0,
 ) -> list[float]:
     """
     Return the state of a positioner whose E/P converter has settled at `current` (A).
 
     `chamber_pressure` is gauge, Pa; the stem (m) stands where the forces on it balance, friction
-    aside, unless `valve_position` says where.
+    aside, unless `valve_position` says where. `pressure_drop` is that over the process valve, Pa.
     """
     y = [0.0] * STATES
     y[SUPPLY] = undrawn_supply(p, time)
@@ -50,9 +54,11 @@ def settled_state(
     if is_direct(p):
         y[BACK] = chamber_pressure  # until it has been found
     y[TEMPERATURE] = p.supply.temperature
+    y[PRESSURE_DROP] = pressure_drop
+    pushed = process_force(p.actuator, pressure_drop)
     y[POSITION] = (
-        balance_position(p.actuator, chamber_pressure) if valve_position is None
-        else valve_position)
+        balance_position(p.actuator, chamber_pressure, lambda position: pushed)
+        if valve_position is None else valve_position)
     y[PAST] = settled_past(p.discrepancy, current, y)
     hold_inactive_states(p, time, y, ())
     extra = 0.0
@@ -78,9 +84,11 @@ def _balance_with_term(p: PositionerParameters, time: float, current: float, y) 
         y[POSITION] = position
         y[PAST] = settled_past(p.discrepancy, current, y)
 
+    pushed = process_force(p.actuator, y[PRESSURE_DROP])
+
     def extra(position: float) -> float:
         put(position)
-        return discrepancy_at(p.discrepancy, time, current, y, 0.0)
+        return pushed + discrepancy_at(p.discrepancy, time, current, y, 0.0)
 
     put(balance_position(p.actuator, y[CHAMBER], extra))
 
@@ -102,16 +110,22 @@ def _share_pressure(p: PositionerParameters, given: Mapping[str, float], y) -> N
             return
 
 
+def command_name(p: PositionerParameters) -> str:
+    """Return what commands a positioner: the column of a record that holds it."""
+    return 'set_point' if p.position_controller.enabled else 'control_current'
+
+
 class Stream:
     """
     A simulation that takes its rows in portions and keeps only what the next portion needs.
 
-    Time in s, control current in A; a current stands from its row to the next. Compiled where
-    numba is there and `compiled` says so, else plain Python, with the same result.
+    Time in s; a command is a control current in A, or a set point in m where the parameters enable
+    the position controller, and stands from its row to the next. Compiled where numba is there and
+    `compiled` says so, else plain Python, with the same result.
     """
 
     def __init__(
-        self, parameters: PositionerParameters, time: float, control_current: float,
+        self, parameters: PositionerParameters, time: float, command: float,
         initial: Mapping[str, float] | None = None, pinned: tuple[str, ...] = (),
         tolerance: float = DEFAULT_TOLERANCE, compiled: bool = True,
         departure: Departure = CENTRED, longest_interval: float = LONGEST_INTERVAL,
@@ -119,22 +133,27 @@ class Stream:
         """
         Start at `time`, settled at a current, the chamber vented.
 
-        `initial` may hold other values of the state (keys `STATE_NAMES`); what a state does not
-        tell may be away from settled by a `departure`. The states `pinned` are given with each
+        A controller starts as if it had long held the state at which the stream begins. `initial`
+        may hold other values of the state (keys `STATE_NAMES`); what a state does not tell may be
+        away from settled by a `departure`. The states `pinned` are given with each
         portion and follow no equation. Intervals between rows that are longer than
         `longest_interval` (s) are divided. ValueError where there is no state of a name, time,
-        current or a state is not finite, tolerance or `longest_interval` is not positive.
+        command or a state is not finite, tolerance or `longest_interval` is not positive.
         """
         given = dict(initial or {})
         check_states('initial', given)
         check_states('pinned', pinned)
-        for name, value in {'time': time, 'control_current': control_current, **given}.items():
+        for name, value in {'time': time, command_name(parameters): command, **given}.items():
             check_finite(name, value)
         check_positive('tolerance', tolerance)
         check_positive('longest_interval', longest_interval)
-        y = settled_state(
-            parameters, start_current(parameters, control_current, departure),
-            given.get('chamber_pressure', 0.0), given.get('valve_position'), time)
+        start = (given.get('chamber_pressure', 0.0), given.get('valve_position'), time,
+                 given.get('pressure_drop', 0.0))
+        is_loop = parameters.position_controller.enabled
+        current = command
+        if is_loop:
+            current = holding_current(parameters, time, settled_state(parameters, 0.0, *start))
+        y = settled_state(parameters, start_current(parameters, current, departure), *start)
         for name, value in given.items():
             y[STATE_NAMES.index(name)] = value
         if is_direct(parameters):
@@ -145,9 +164,15 @@ class Stream:
         y[PAST] += departure.past
         hold_inactive_states(
             parameters, time, y, tuple(STATE_NAMES.index(name) for name in pinned))
-        memory = [0.0] * MEMORIES
-        start_memory(parameters, control_current, y, 1e-3, memory, departure)
-        self._parameters = parameters
+        memory = [0.0] * size_of_memory(parameters)
+        start_memory(parameters, current, y, 1e-3, memory, departure)
+        if is_loop:
+            start_controller(parameters, command, current, y, memory)
+        self._parameters = plant_of(parameters)
+        self._controller = parameters.position_controller
+        # behind a controller no current is known beforehand: the loop itself delays it
+        self._dead_time = 0.0 if is_loop else parameters.ep_converter.dead_time
+        self._command_name = command_name(parameters)
         self._longest = float(longest_interval)
         self._tolerance = float(tolerance)  # for an int all would be compiled anew
         self._pinned = tuple(sorted(STATE_NAMES.index(name) for name in pinned))
@@ -160,7 +185,7 @@ class Stream:
             *(np.array(numbers) for numbers in work))  # type: ignore[arg-type]
         # the rows that still matter: as far back as the dead time, the last one at least
         self._time = np.empty(0)
-        self._current = np.empty(0)
+        self._command = np.empty(0)
         self._pins = np.empty((0, STATES))
 
     @property
@@ -169,7 +194,7 @@ class Stream:
         return np.array(self._state)
 
     def advance(
-        self, time: np.ndarray, control_current: np.ndarray,
+        self, time: np.ndarray, command: np.ndarray,
         pinned: Mapping[str, np.ndarray] | None = None,
     ) -> dict[str, np.ndarray]:
         """
@@ -178,11 +203,11 @@ class Stream:
         Of rows with the same stamp the last one counts. ValueError where shapes differ, a value is
         not finite, time falls, or other states are pinned than at the start.
         """
-        return self.go_on(checked_rows(time, control_current, pinned))
+        return self.go_on(checked_rows(time, command, pinned, self._command_name))
 
     def go_on(self, rows: Rows) -> dict[str, np.ndarray]:
         """Do as `advance` with rows that have been checked."""
-        t, current, held = rows
+        t, command, held = rows
         places = {STATE_NAMES.index(name): series for name, series in held.items()}
         if set(places) != set(self._pinned):
             names = ', '.join(STATE_NAMES[place] for place in self._pinned) or 'none'
@@ -192,46 +217,47 @@ class Stream:
         if before and t[0] < self._time[-1]:
             raise ValueError(f'time must not fall from {self._time[-1]} to {t[0]} s')
         t = np.concatenate((self._time, t))
-        current = np.concatenate((self._current, current))
+        command = np.concatenate((self._command, command))
         pins = np.zeros((len(t), STATES))
         pins[:before] = self._pins
         for place, series in places.items():
             pins[before:, place] = series
         first = max(before - 1, 0)
-        moments = arrivals(t, current, self._parameters.ep_converter.dead_time, self._longest)
+        moments = arrivals(t, command, self._dead_time, self._longest)
         moments = moments[moments > t[first]]
         if len(moments) > 0:
             at = np.searchsorted(t, moments)
-            out = self._run(*with_rows(moments, at, t, current, pins), first)
+            out = self._run(*with_rows(moments, at, t, command, pins), first)
             out = np.delete(out, at + np.arange(len(at)) - first, axis=0)
         else:
-            out = self._run(t, current, pins, first)
-        self._keep(t, current, pins)
+            out = self._run(t, command, pins, first)
+        self._keep(t, command, pins)
         return dict(zip(Outputs._fields, out[before - first:].T))
 
-    def _run(self, time: np.ndarray, current: np.ndarray, pins: np.ndarray, first: int
+    def _run(self, time: np.ndarray, command: np.ndarray, pins: np.ndarray, first: int
              ) -> np.ndarray:
         """Run from row `first` to the last; return what is seen at each of these."""
-        delayed = delayed_current(time, current, self._parameters.ep_converter.dead_time)
-        time, current, delayed, pins = time[first:], current[first:], delayed[first:], pins[first:]
+        delayed = delayed_current(time, command, self._dead_time)
+        time, command, delayed, pins = time[first:], command[first:], delayed[first:], pins[first:]
         out = np.empty((len(time), OBSERVED))
         if self._machine is None:
-            run(self._parameters, time.tolist(), current.tolist(), delayed.tolist(), self._pinned,
-                pins, self._state, self._memory, self._active, len(self._active),
-                self._tolerance, self._longest, self._work, out)
+            run(self._parameters, self._controller, time.tolist(), command.tolist(),
+                delayed.tolist(), self._pinned, pins, self._state, self._memory, self._active,
+                len(self._active), self._tolerance, self._longest, self._work, out)
             return out
         self._machine(
-            self._parameters, time, current, delayed, np.array(self._pinned, dtype=np.int64),
-            pins, self._state, self._memory, np.array(self._active, dtype=np.int64),
-            len(self._active), self._tolerance, self._longest, self._work, out)
+            self._parameters, self._controller, time, command, delayed,
+            np.array(self._pinned, dtype=np.int64), pins, self._state, self._memory,
+            np.array(self._active, dtype=np.int64), len(self._active), self._tolerance,
+            self._longest, self._work, out)
         return out
 
-    def _keep(self, time: np.ndarray, current: np.ndarray, pins: np.ndarray) -> None:
-        oldest = time[-1] - max(self._parameters.ep_converter.dead_time, 0.0)
+    def _keep(self, time: np.ndarray, command: np.ndarray, pins: np.ndarray) -> None:
+        oldest = time[-1] - self._dead_time
         first = max(int(np.searchsorted(time, oldest, 'right')) - 2, 0)
         first = min(first, len(time) - 1)
         self._time = time[first:].copy()
-        self._current = current[first:].copy()
+        self._command = command[first:].copy()
         self._pins = pins[first:].copy()
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from . import discrepancy as term
 from .actuator import (
     VESSEL, Actuator, diaphragm_area, has_dry_friction, is_rigid, presliding_force_rate,
-    presliding_friction, sliding_friction, stem_acceleration, stem_force)
+    presliding_friction, process_force, sliding_friction, stem_acceleration, stem_force)
 from .booster import (
     NO_BOOSTER, Booster, diaphragm_force, exhaust_area, exhaust_flow, intake_area, intake_flow)
 from .chamber import (
@@ -16,10 +16,11 @@ from .discrepancy import (
     Discrepancy, forgets, has_play, interpolate, past_at_rest, remembers, slope)
 from .ep_converter import EpConverter, back_pressure_rate, play, settled_back_pressure
 from .gas import ATMOSPHERE, enthalpy_flow
+from .position_controller import PositionController
 from .present_term import PAST_UNIT, discrepancy_at, settled_past
 from .sensors import Sensors
 from .state import (
-    BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, SUPPLY, TEMPERATURE, VELOCITY)
+    BACK, CHAMBER, OUTLET, PAST, POSITION, PRESLIDING, PRESSURE_DROP, SUPPLY, TEMPERATURE, VELOCITY)
 from .supply import Supply, set_pressure, supply_pressure_rate
 from .tubing import Tubing, outlet_pressure_rate, tube_flow
 
@@ -40,6 +41,16 @@ class PositionerParameters(NamedTuple):
     actuator: Actuator = Actuator()
     sensors: Sensors = Sensors()
     discrepancy: Discrepancy = Discrepancy()
+    position_controller: PositionController = PositionController()
+
+
+def plant_of(p: PositionerParameters) -> PositionerParameters:
+    """
+    Return the parameters of all but the controller, whose place is empty.
+
+    The equations need no more, and machine code hands parameters over number by number.
+    """
+    return p._replace(position_controller=())  # type: ignore[arg-type]
 
 
 def is_direct(p: PositionerParameters) -> bool:
@@ -61,7 +72,7 @@ def is_active(p: PositionerParameters, state: int) -> bool:
         return has_dry_friction(p.actuator) and not is_rigid(p.actuator)
     if state in (POSITION, VELOCITY):
         return p.actuator.kind != VESSEL
-    return True
+    return state != PRESSURE_DROP
 
 
 def hold_inactive_states(p: PositionerParameters, time: float, y, pinned) -> None:
@@ -176,6 +187,8 @@ def net_stem_force(p: PositionerParameters, time: float, current: float, y) -> f
     extra = 0.0
     if p.discrepancy.location == term.STEM:
         extra = discrepancy_at(p.discrepancy, time, current, y, 0.0)
+    if p.actuator.plug_area != 0.0:
+        extra += process_force(p.actuator, y[PRESSURE_DROP])
     return stem_force(p.actuator, y[CHAMBER], y[POSITION], y[VELOCITY], extra)
 
 
@@ -255,6 +268,7 @@ def derivatives(
         rates[CHAMBER] = isothermal_pressure_rate(
             p.actuator, chamber, volume, swept, compliance, delivered - leaked, ambient)
 
+    rates[PRESSURE_DROP] = 0.0
     rates[PAST] = 0.0
     if forgets(p.discrepancy):
         settled_at = settled_past(p.discrepancy, current, y)

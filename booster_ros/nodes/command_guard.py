@@ -16,13 +16,22 @@ CAUSES = (NOT_A_NUMBER, INFINITE, BELOW, ABOVE)
 
 
 class CommandRules(NamedTuple):
-    """What is done with commands: limits in A, policies by name, timeout in s (0: never stale)."""
+    """
+    What is done with commands: limits, policies by name, timeout in s (0: never stale).
+
+    `name` and `unit` are those of what is commanded, `limits` says where its limits are from,
+    `vented` is the command in force where a stale one vents.
+    """
 
     low: float
     high: float
     invalid_current: str
     command_timeout: float
     stale_command: str
+    name: str = 'control_current'
+    unit: str = 'A'
+    limits: str = 'current_limits'
+    vented: float = 0.0
 
 
 def rules_of(settings: NodeSettings) -> CommandRules:
@@ -96,15 +105,16 @@ class CommandGuard:
         self.rules = rules
         before = self._current
         self._current = min(max(before, rules.low), rules.high)
-        return self._current != before and not self._vents
+        return self._current != before and not self.vents
 
     @property
     def current(self) -> float:
-        """The current in force, A: 0 where a stale command vents, whatever the limits are."""
-        return 0.0 if self._vents else self._current
+        """The command in force: 0 A where a stale one vents, whatever the limits are."""
+        return self.rules.vented if self.vents else self._current
 
     @property
-    def _vents(self) -> bool:
+    def vents(self) -> bool:
+        """Whether the last command is stale and nothing is to drive the valve."""
         return self._stale and self.rules.stale_command == VENT
 
     @property
@@ -137,11 +147,11 @@ class CommandGuard:
 
     def complaint(self, current: float, verdict: Verdict) -> str:
         """Return the sentence about a bad command of this current, A."""
-        done = 'refused' if verdict.current is None else 'limited'
+        rules, done = self.rules, 'refused' if verdict.current is None else 'limited'
         return (
-            f'control_current {current:g} A is {verdict.cause} (current_limits '
-            f'{self.rules.low:g} to {self.rules.high:g} A): {done}, {self.current:g} A in force; '
-            f'bad commands so far: {self.bad}')
+            f'{rules.name} {current:g} {rules.unit} is {verdict.cause} ({rules.limits} '
+            f'{rules.low:g} to {rules.high:g} {rules.unit}): {done}, {self.current:g} {rules.unit} '
+            f'in force; bad commands so far: {self.bad}')
 
     def at_tick(self, simulated: int) -> float:
         """Return the current, A, for the tick that starts at this simulated time (ns)."""

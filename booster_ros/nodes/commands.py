@@ -14,8 +14,6 @@ from ..model.parameters import ParameterError
 from .command_guard import CommandGuard, CommandRules
 from .throttle import Throttle
 
-TOPIC = 'control_current'
-
 DEPTH = 100
 """Commands kept until they are handled; of those for one tick the last one counts."""
 
@@ -29,12 +27,16 @@ class Commands:
     afterwards, so that it does not depend on when they arrive what they do.
     """
 
+    TOPIC = 'control_current'
+    TOPICS: tuple[str, ...] = (TOPIC,)
+
     def __init__(
         self, node: Node, rules: CommandRules, throttle: Throttle,
         changed: Callable[[], None], arrived: Callable[[], None],
     ) -> None:
         """Subscribe, with the QoS that `qos_overrides` ask for; ParameterError if they cannot."""
         self.guard = CommandGuard(rules)
+        self._node = node
         self._logger = node.get_logger()
         self._throttle = throttle
         self._changed = changed
@@ -43,11 +45,15 @@ class Commands:
         self._held: list[Float64] | None = None
         try:
             self.subscription = node.create_subscription(
-                Float64, TOPIC, self._on_command, DEPTH,
+                Float64, self.TOPIC, self._on_command, DEPTH,
                 qos_overriding_options=QoSOverridingOptions.with_default_policies())
         except (AssertionError, AttributeError, RuntimeError, TypeError, ValueError) as error:
             problem = error if isinstance(error, RuntimeError) else 'a value of the wrong kind'
-            raise ParameterError(f'qos_overrides of {TOPIC}: {problem}') from None
+            raise ParameterError(f'qos_overrides of {self.TOPIC}: {problem}') from None
+
+    def commanders(self) -> int:
+        """Return how many publishers of commands there are."""
+        return sum(map(self._node.count_publishers, self.TOPICS))
 
     def at_tick(self, simulated: int) -> float:
         """Return the current, A, for the tick that starts at this simulated time (ns)."""
@@ -103,9 +109,9 @@ class Commands:
     def _on_stale_change(self) -> None:
         rules = self.guard.rules
         if not self.guard.stale:
-            self._logger.info('control_current is being commanded again')
+            self._logger.info(f'{self.TOPIC} is being commanded again')
         elif self._throttle.passes('stale', self._clock.now().nanoseconds):
             self._logger.warning(
-                f'control_current is older than command_timeout ({rules.command_timeout:g} s): '
+                f'{self.TOPIC} is older than command_timeout ({rules.command_timeout:g} s): '
                 f'{rules.stale_command}')
         self._changed()

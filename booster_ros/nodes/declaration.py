@@ -9,7 +9,7 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParam
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ..model.catalogue import is_of_effect
+from ..model.catalogue import is_optional
 from ..model.parameters import Description, ParameterError
 from ..parameters.file import section_values
 from ..parameters.scalars import scalar
@@ -165,7 +165,7 @@ def effective_values(parameters: dict[str, Any]) -> str:
     """
     Return the values in force for people to read, a line for each component of the model.
 
-    Parameters of effects appear only where they differ from their defaults.
+    Parameters of effects and of the loop appear only where they differ from their defaults.
     """
     lines: dict[str, list[str]] = {}
     for name, description in ALL_DESCRIPTIONS.items():
@@ -173,11 +173,12 @@ def effective_values(parameters: dict[str, Any]) -> str:
         default = description.default
         plain = _plain(value)
         is_default = plain == _plain(default)
-        if is_default and is_of_effect(name):
+        if is_default and is_optional(name):
             continue
         component, _, field = name.rpartition('.')
         mark = '' if is_default else '*'
-        lines.setdefault(component or 'node', []).append(f'{mark}{field} {plain}')
+        shown = 'empty' if plain == '' else plain
+        lines.setdefault(component or 'node', []).append(f'{mark}{field} {shown}')
     return '\n'.join(f'  {component}: {", ".join(texts)}' for component, texts in lines.items())
 
 

@@ -15,6 +15,7 @@ from std_msgs.msg import Header
 
 from ..parameters.schema import VENT
 from .command_guard import CommandGuard
+from .deviation import TravelDeviation
 from .tick_clock import NANOSECONDS, TickClock
 
 OK, WARN, ERROR = 0, 1, 2
@@ -112,7 +113,9 @@ def command_report(guard: CommandGuard, bad_before: int) -> Report:
         level, message = WARN, f'stale, {done}'
     elif guard.waiting:
         message = 'no command yet'
-    values = {'current in force [A]': repr(guard.current), 'accepted': str(guard.accepted)}
+    name = {'control_current': 'current', 'set_point': 'set point'}[guard.rules.name]
+    values = {f'{name} in force [{guard.rules.unit}]': repr(guard.current),
+              'accepted': str(guard.accepted)}
     values |= {f'refused: {cause}': str(count) for cause, count in guard.refused.items()}
     values |= {f'limited: {cause}': str(count) for cause, count in guard.limited.items()}
     return Report(level, 'command', message, values)
@@ -122,6 +125,16 @@ def parameter_report(changes: int, last_change: str) -> Report:
     """Report on the changes of parameters at run time."""
     message = f'last change: {last_change}' if last_change else 'as started'
     return Report(OK, 'parameters', message, {'changes': str(changes)})
+
+
+def travel_report(watch: TravelDeviation) -> Report:
+    """Report on how far the valve is from its set point."""
+    level, message = OK, 'within the band'
+    if watch.alarm:
+        level = WARN
+        message = f'off the set point by {watch.deviation:.3g} m for {watch.delay:g} s or longer'
+    return Report(level, 'travel', message, {
+        'travel deviation [m]': repr(watch.deviation), 'alarm band [m]': repr(watch.band)})
 
 
 def topic_report(trouble: Sequence[str]) -> Report:

@@ -26,6 +26,7 @@ from ..control.selection import select_profile
 from ..control.settings import (
     DESCRIPTIONS,
     POSITION,
+    SET_POINT,
     ControllerSettings,
     check,
     checked,
@@ -47,7 +48,7 @@ from .progress import Progress
 from .silence import Silence
 from .tick_clock import NANOSECONDS
 
-DESCRIPTION = 'Play a current profile to a positioner, or close its position loop, as a ROS 2 node.'
+DESCRIPTION = 'Play currents or set points to a positioner, or close its loop, as a ROS 2 node.'
 EXAMPLE = '--ros-args --params-file fake_controller.yaml -p record_csv:=record.csv\n' \
     'All parameters: docs/fake_controller.md, or `ros2 param describe` while it runs.'
 
@@ -93,8 +94,12 @@ class FakeController(Node):
         self._status = self.create_publisher(
             String, '~/status',
             QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        self._currents = self.create_publisher(Float64, 'control_current', QUEUE_DEPTH)
-        self._set_points = self.create_publisher(Float64, '~/set_point', QUEUE_DEPTH)
+        is_set_point = self._settings.mode == SET_POINT
+        self._sent = 'set_point' if is_set_point else 'control_current'
+        self._commands = self.create_publisher(Float64, self._sent, QUEUE_DEPTH)
+        self._set_points = (
+            self.create_publisher(Float64, '~/set_point', QUEUE_DEPTH)
+            if self._settings.mode == POSITION else None)
         self._limits = CurrentLimits(self)
         self._time = time = NodeTime(self)
         self._pace = self._make_pace(time)
@@ -125,13 +130,14 @@ class FakeController(Node):
         settings = self._settings
         topics = {
             name: self.resolve_topic_name(name)
-            for name in ('control_current', 'chamber_pressure', 'valve_position')
+            for name in (self._sent, 'chamber_pressure', 'valve_position')
         }
         inputs = [Path(path) for path in (settings.csv_file, *files_on(arguments)) if path]
         targets = [Path(settings.record_csv)] if settings.record_csv else []
         try:
             check_inputs_stay(inputs, targets, 'record_csv')
-            return Recording(settings.record_csv, settings.record_bag, settings.bag_format, topics)
+            return Recording(
+                settings.record_csv, settings.record_bag, settings.bag_format, topics, self._sent)
         except RecordError as error:
             raise ParameterError(f'recording: {error}') from None
 
@@ -187,8 +193,8 @@ class FakeController(Node):
     def _in_the_way(self) -> list[str]:
         """Return what keeps the profile from being played."""
         found = self._pace.missing()
-        if not self._currents.get_subscription_count():
-            found.append(f'nobody subscribes to {self._currents.topic_name}')
+        if not self._commands.get_subscription_count():
+            found.append(f'nobody subscribes to {self._commands.topic_name}')
         needed = self._needed()
         if needed:
             found += [f'nobody publishes {name}' for name in self._feedback.missing_topics()]
@@ -218,12 +224,15 @@ class FakeController(Node):
         self._current = self._command.current(played, self._position)
         self._check_limits()
         self._recording.sent(self._current, stamp)
-        self._currents.publish(Float64(data=self._current))
-        self._set_points.publish(Float64(data=self._command.set_point))
+        self._commands.publish(Float64(data=self._current))
+        if self._set_points is not None:
+            self._set_points.publish(Float64(data=self._command.set_point))
         self._progress.show(played)
 
     def _check_limits(self) -> None:
         """Complain of a current that is not followed; raise if it would falsify a record."""
+        if self._settings.mode == SET_POINT:
+            return  # the limits are those of currents
         complaint = self._limits.complaint(self._current)
         if complaint and self._recording.paths:
             raise RunError(f'{complaint}, so that it cannot be recorded')
@@ -232,7 +241,7 @@ class FakeController(Node):
 
     def repeat(self) -> None:
         """Send the last command again."""
-        self._currents.publish(Float64(data=self._current))
+        self._commands.publish(Float64(data=self._current))
 
     def _on_watch(self) -> None:
         if not self._needed():

@@ -8,7 +8,7 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
-from .commands import TOPIC
+from .commands import Commands
 from .outputs import OutputPublishers
 
 PERIOD = 0.05
@@ -19,9 +19,10 @@ class KickOff:
     """Calls `kick` once when somebody commands and somebody listens, and no more are coming."""
 
     def __init__(
-        self, node: Node, outputs: OutputPublishers, kick: Callable[[], None]
+        self, node: Node, commands: Commands, outputs: OutputPublishers,
+        kick: Callable[[], None],
     ) -> None:
-        self._node = node
+        self._commands = commands
         self._outputs = outputs
         self._kick = kick
         self._there = (0, 0)
@@ -39,7 +40,7 @@ class KickOff:
         self._timer.cancel()
 
     def _look(self) -> None:
-        there = self._node.count_publishers(TOPIC), self._outputs.listeners()
+        there = self._commands.commanders(), self._outputs.listeners()
         if min(there) > 0 and there == self._there:
             self.end()
             self._kick()

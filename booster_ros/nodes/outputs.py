@@ -17,7 +17,6 @@ from ..model.gas import ATMOSPHERE
 from ..model.outputs import OUTPUT_UNITS, Outputs
 from .tick_clock import NANOSECONDS
 
-JOINT_NAME = 'valve_stem'
 QUEUE_DEPTH = 1000
 """Messages kept for a reliable subscription that missed them: ~/step publishes in bursts."""
 
@@ -53,9 +52,9 @@ class OutputPublishers:
     somebody listens, since most of the time nobody does.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, joint: str, frame: str) -> None:
         """Create the publishers with reliable, volatile QoS, which any subscription can read."""
-        self._frame = node.get_name()
+        self._joint, self._frame = joint, frame
         self._pressure = quiet_publisher(node, Float64, 'chamber_pressure')
         self._position = quiet_publisher(node, Float64, 'valve_position')
         self.always_published = (self._pressure, self._position)
@@ -64,6 +63,8 @@ class OutputPublishers:
             (quiet_publisher(node, JointState, 'valve_position_stamped'), self._position_of),
             (quiet_publisher(node, DiagnosticArray, '~/state'), self._state_of),
         )
+        self.set_point: float | None = None
+        """The set point in force, m, where one is commanded."""
         self.faults: Mapping[str, float] = {}
         """The faults that are on, with their shares of full strength."""
         self._faults = DiagnosticStatus(level=DiagnosticStatus.OK, name='faults')
@@ -107,12 +108,15 @@ class OutputPublishers:
 
     def _position_of(self, outputs: Outputs, header: Header) -> JointState:
         return JointState(
-            header=header, name=[JOINT_NAME], position=[outputs.measured_valve_position],
+            header=header, name=[self._joint], position=[outputs.measured_valve_position],
             velocity=[outputs.stem_velocity])
 
     def _state_of(self, outputs: Outputs, header: Header) -> DiagnosticArray:
         for entry, value in zip(self._values, outputs, strict=True):
             entry.value = repr(value)
+        if self.set_point is not None:
+            set_point = KeyValue(key='set_point', value=repr(self.set_point))
+            self._status.values = [*self._values, set_point]
         self._faults.message = ', '.join(self.faults)
         self._faults.values = [
             KeyValue(key=name, value=repr(share)) for name, share in self.faults.items()]

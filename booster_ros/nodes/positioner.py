@@ -19,10 +19,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
-from ..model.simulation import Plant
 from ..parameters.schema import ALL_DESCRIPTIONS, Parameters, checked
-from .command_guard import rules_of
-from .commands import Commands
 from .declaration import (
     ParameterWatch,
     as_declared,
@@ -32,13 +29,16 @@ from .declaration import (
     files_without_section,
 )
 from .diagnostics import Loss, seconds
+from .drive import make_drive
 from .faults import Faults, planned
 from .kick_off import KickOff
+from .names import own_name
 from .neighbours import Neighbours
 from .node_time import NodeTime
 from .outputs import OutputPublishers, are_finite
 from .parameter_service import AllOrNone
 from .process import run
+from .process_pressure import ProcessPressure
 from .ready import Ready
 from .reporting import Condition, Reporter
 from .stepping import Stepping
@@ -82,14 +82,15 @@ class Positioner(Node):
             parameter_overrides=_parameters(parameter_overrides or {}),
             automatically_declare_parameters_from_overrides=True, start_parameter_services=False)
         check_files(arguments, self.get_fully_qualified_name(), checked)
-        physical, settings = declare(self)
-        self._settings = settings
+        parameters = declare(self)
+        settings = self._settings = parameters.node
         self._watch = ParameterWatch(
             self, self._on_parameters, lambda parameters: planned(parameters.node.faults))
         self._parameter_service = AllOrNone(self, as_declared)
         period = round(NANOSECONDS / settings.publish_rate)
         step = nanoseconds(settings.integration_step)
-        self._plant = Plant(physical, step / NANOSECONDS)
+        self._drive = make_drive(parameters, self._report_change)
+        self._plant = self._drive.plant(step / NANOSECONDS)
         self._loss: Loss | None = None
         self._ticks = TickClock(
             period, step, nanoseconds(settings.max_catch_up),
@@ -102,9 +103,12 @@ class Positioner(Node):
             paused=settings.start_paused or settings.step_on_command)
         self._stepping = Stepping(self, self._ticks.piece, self._run_ticks)
 
-        self._outputs = OutputPublishers(self)
-        self._commands = Commands(
-            self, rules_of(settings), self._throttle, lambda: self._reporter.report_change(),
+        self._outputs = OutputPublishers(
+            self, own_name(self, settings.joint_name, 'valve_stem'),
+            own_name(self, settings.frame_id, self.get_name()))
+        self._process = ProcessPressure(self, self._throttle)
+        self._commands = self._drive.commands(
+            self, self._drive.rules(parameters), self._throttle, self._report_change,
             self._on_command)
         self._guard = self._commands.guard
         self._neighbours = Neighbours(
@@ -122,7 +126,7 @@ class Positioner(Node):
         self._steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics, clock=self._steady_clock)
         self._ready = Ready(self)
-        self._kick_off = KickOff(self, self._outputs, self._kick)
+        self._kick_off = KickOff(self, self._commands, self._outputs, self._kick)
         if settings.step_on_command:
             self._kick_off.begin()
         self._ticking.start()
@@ -145,7 +149,10 @@ class Positioner(Node):
         thinned = self._ticking.thinning.left_out if self._ticking.thins else 0
         return Condition(
             self._ticking.paused, self._loss, thinned, self._neighbours.trouble, self._faults.on,
-            self._faults.waiting)
+            self._faults.waiting, self._drive.reports())
+
+    def _report_change(self) -> None:
+        self._reporter.report_change()
 
     def _on_faults(self) -> None:
         self.get_logger().info(f'faults on: {", ".join(self._faults.on) or "none"}')
@@ -169,7 +176,8 @@ class Positioner(Node):
         moment = self._ticks.next_due
         steps = self._ticks.run_tick()
         if self._loss is None:
-            self._plant.advance(current, steps)
+            self._process.push(self._plant)
+            self._drive.advance(self._plant, self._guard, current, steps)
             self._ticking.thinning.left_out += thinned
             self._publish(moment + stamp_offset, thinned)
 
@@ -189,6 +197,7 @@ class Positioner(Node):
             return
         self._readings = self._faults.read(ideal)
         self._outputs.faults = self._faults.shares
+        self._outputs.set_point = self._drive.set_point(self._plant)
         self._outputs.publish(self._plant.outputs, self._readings, stamp, thinned)
 
     def _on_loss(self) -> None:
@@ -204,9 +213,11 @@ class Positioner(Node):
         if parameters.node.step_on_command and not self._settings.step_on_command:
             self._kick_off.begin()
         self._settings = parameters.node
-        if self._guard.follow(rules_of(parameters.node)):
+        rules = self._drive.rules(parameters)
+        if self._guard.follow(rules):
             self.get_logger().warning(
-                f'current_limits now limit the current in force to {self._guard.current:g} A')
+                f'{rules.limits}: {rules.name} in force is now limited to '
+                f'{self._guard.current:g} {rules.unit}')
         self._ticks.max_catch_up = nanoseconds(parameters.node.max_catch_up)
         self._faults.follow(parameters.physical, parameters.node)
         self.get_logger().info(f'parameters changed: {self._watch.last_change}')
@@ -256,8 +267,7 @@ class Positioner(Node):
     def _put_into_initial_state(self) -> None:
         state = self._settings.initial_state
         self._faults.restart()
-        self._plant.reset(state.chamber_pressure, state.valve_position, state.control_current)
-        self._guard.force(state.control_current)
+        self._guard.force(self._drive.reset(self._plant, state))
         self._ticks.reset()
         self._loss = None
         if not are_finite(self._plant.readings()):
@@ -272,12 +282,12 @@ class Positioner(Node):
         if self._ticking.paused:
             self._publish_restart(self._time.stamp_offset())
         self._reporter.report()
-        state = self._settings.initial_state
+        state, rules = self._settings.initial_state, self._guard.rules
         response.success = self._loss is None
         response.message = str(self._loss) if self._loss else (
             f'chamber_pressure {state.chamber_pressure:g} Pa, valve_position '
-            f'{self._plant.outputs().valve_position:g} m, control_current '
-            f'{state.control_current:g} A, simulated time 0 s')
+            f'{self._plant.outputs().valve_position:g} m, {rules.name} '
+            f'{self._guard.current:g} {rules.unit}, simulated time 0 s')
         return response
 
     def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:

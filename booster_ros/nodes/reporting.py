@@ -41,6 +41,8 @@ class Condition(NamedTuple):
     """The faults that are on."""
     to_come: int
     """How many faults are still to come."""
+    travel: list[Report]
+    """On the travel, where a set point is commanded."""
 
 
 class Reporter:
@@ -83,7 +85,7 @@ class Reporter:
 
     def _reports(self) -> list[Report]:
         now = self._time.now()
-        paused, loss, thinned, trouble, faults, to_come = self._condition()
+        paused, loss, thinned, trouble, faults, to_come, travel = self._condition()
         clock = ClockState(
             self._time.follows_clock_topic, now > 0, now == self._clock_reported, paused)
         return [
@@ -93,4 +95,5 @@ class Reporter:
             parameter_report(self._watch.changes, self._watch.last_change),
             topic_report(trouble),
             fault_report(faults, to_come),
+            *travel,
         ]

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from ..model.catalogue import is_of_effect
+from ..model.catalogue import is_optional
 from ..model.parameters import DESCRIPTIONS, Description, ParameterError, to_values
 from ..model.system import PositionerParameters
 from .schema import NODE_DESCRIPTIONS, belongs_to_ros, check, checked
@@ -104,9 +104,9 @@ def write_parameter_file(
     """
     Write a parameter file for any positioner node, complete or not at all.
 
-    It holds every parameter of the declared model, those parameters of effects that have a comment
-    or a value other than by default, and those of `node`, the node's own. `heading` becomes the
-    comment above, `comments` (by dotted name) stand behind the units.
+    It holds every parameter of the declared model, those parameters of effects and of the position
+    controller that have a comment or a value other than by default, and those of `node`, the node's
+    own. `heading` becomes the comment above, `comments` (by dotted name) stand behind the units.
     """
     path = Path(path)
     descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
@@ -153,7 +153,7 @@ def _entries(
         yield name, node[name], NODE_DESCRIPTIONS[name]
     for name, value in to_values(parameters).items():
         description = DESCRIPTIONS[name]
-        if not is_of_effect(name) or value != description.default or name in comments:
+        if not is_optional(name) or value != description.default or name in comments:
             yield name, value, description
 
 

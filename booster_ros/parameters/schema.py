@@ -61,6 +61,19 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
             'stale_command', HOLD, '-', 'what is done with a stale command: hold it, or vent '
             '(zero current) until the next one', -1.0, 1.0, 'as without a timeout', (HOLD, VENT)),
         Description(
+            'deviation_band', 0.05, '-', 'with a position controller: share of the travel by which '
+            'the position may be off the set point', 0.0, 1.0,
+            'usual for a travel deviation alert'),
+        Description(
+            'deviation_delay', 10.0, 's', 'simulated time for which it must be further off before '
+            '/diagnostics warns', 0.0, 1e9, 'usual: longer than a full stroke'),
+        Description(
+            'joint_name', '', '-', 'name of the joint in JointState messages; empty: valve_stem, '
+            'behind the namespace', -1.0, 1.0, 'unique in each namespace'),
+        Description(
+            'frame_id', '', '-', 'frame in the headers of messages; empty: the name of the node, '
+            'behind the namespace', -1.0, 1.0, 'unique in each namespace'),
+        Description(
             'initial_state.chamber_pressure', 0.0, 'Pa', 'chamber pressure at the start and '
             'after ~/reset', -1e5, 1e7, 'vented'),
         Description(
@@ -93,7 +106,8 @@ NODE_DESCRIPTIONS: dict[str, Description] = {
 }
 """The node's own parameters by name."""
 
-READ_ONLY = frozenset({'publish_rate', 'integration_step', 'start_paused'})
+READ_ONLY = frozenset({'publish_rate', 'integration_step', 'start_paused', 'joint_name', 'frame_id',
+                       'position_controller.enabled'})
 """Parameters that keep their value for the life of the node."""
 
 ALL_DESCRIPTIONS: dict[str, Description] = {**NODE_DESCRIPTIONS, **DESCRIPTIONS}
@@ -149,6 +163,10 @@ class NodeSettings(NamedTuple):
     invalid_current: str
     command_timeout: float
     stale_command: str
+    deviation_band: float
+    deviation_delay: float
+    joint_name: str
+    frame_id: str
     initial_state: InitialState
     faults: FaultPlan
     measurement: Measurement
@@ -204,9 +222,7 @@ def checked_as(description: Description, value: Any) -> Any:
     """Return a value of the kind and range that a description asks for, see `checked`."""
     name, default = description.name, description.default
     if isinstance(default, bool):
-        if not isinstance(value, bool):
-            raise ParameterError(f'{name} must be true or false, got {shown(value)}')
-        return value
+        return checked_value(description, value)
     if isinstance(default, str) and not description.choices:
         if not isinstance(value, str):
             raise ParameterError(f'{name} must be a text, got {shown(value)}')

@@ -73,6 +73,7 @@ _STATE_FIELDS = {
     'chamber_pressure': 'measured_chamber_pressure',
     'valve_position': 'measured_valve_position',
 }
+_NOT_IN_EVERY_STATE = {'set_point', 'pressure_drop'}
 
 
 def choose_channels(
@@ -98,7 +99,7 @@ def choose_channels(
             channels.append(_asked_for(column, wanted[column], available))
         elif candidates := [topic for topic in available if _belongs(topic, column, available)]:
             channels.append(_preferred(column, candidates, available, stamps))
-        elif len(states) == 1:
+        elif len(states) == 1 and column not in _NOT_IN_EVERY_STATE:
             field = _STATE_FIELDS.get(column, column)
             channels.append(Channel(column, states[0], STATE_TYPE, field))
     if not channels:

@@ -13,7 +13,8 @@ import numpy as np
 
 from booster_ros.records.clock import check_clock
 from booster_ros.records.holding import held
-from booster_ros.records.record import COLUMNS, MEASURED, Array, Defect, Record, RecordError
+from booster_ros.records.record import (
+    COLUMNS, COMMANDS, MEASURED, Array, Defect, Record, RecordError)
 from booster_ros.records.time_axis import gap_rows
 from booster_ros.records.units import check_above_vacuum, check_pressure_scale
 
@@ -43,8 +44,8 @@ def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...
         # those whose only values were in rows without a time
         columns, dropped = drop_empty_columns(columns, rows, source)
         found += mended + dropped
-    held = hold_command(columns, rows)
-    found += held
+    for name in COMMANDS:
+        found += hold_command(name, columns, rows)
     for name in columns:
         found += missing_runs(name, columns[name], rows)
         columns[name], wild = drop_wild_values(name, columns, rows)
@@ -163,19 +164,19 @@ def uneven_sampling(time: Array) -> list[Defect]:
     return [Defect('uneven_sampling', 'time', 0, 0, steps.size, text)]
 
 
-def hold_command(columns: Columns, rows: Array) -> list[Defect]:
-    """Fill missing currents with the one before, never across a gap: a command holds."""
-    if 'control_current' not in columns:
+def hold_command(name: str, columns: Columns, rows: Array) -> list[Defect]:
+    """Fill missing commands with the one before, never across a gap: a command holds."""
+    if name not in columns:
         return []
-    values = columns['control_current']
+    values = columns[name]
     since = np.zeros(values.size, dtype=int)
     if 'time' in columns:
         after = gap_rows(columns['time'])
         since[after] = after
-    columns['control_current'] = held(values, np.maximum.accumulate(since))
-    filled = np.isnan(values) & np.isfinite(columns['control_current'])
+    columns[name] = held(values, np.maximum.accumulate(since))
+    filled = np.isnan(values) & np.isfinite(columns[name])
     text = 'held from the row before'
-    return _listed('missing_command', 'control_current', filled, rows, 'missing value', text)
+    return _listed('missing_command', name, filled, rows, 'missing value', text)
 
 
 def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:

@@ -31,6 +31,8 @@ class Column:
 
 COLUMNS: Mapping[str, Column] = {
     'time': Column('s', 'time', 1e10, 'milliseconds or nanoseconds'),
+    'set_point': Column('m', 'position that a position controller is to hold', 0.5,
+                        'mm, % or a fraction of travel'),
     'control_current': Column('A', 'current into the E/P converter', 0.1, 'mA'),
     'back_pressure': Column('Pa', 'gauge pressure behind the nozzle', 5e6, 'raw counts'),
     'supply_pressure': Column('Pa', 'gauge pressure of the supply', 5e6, 'raw counts'),
@@ -39,11 +41,15 @@ COLUMNS: Mapping[str, Column] = {
     'chamber_pressure': Column('Pa', 'gauge pressure in the actuator', 5e6, 'raw counts'),
     'valve_position': Column(
         'm', 'stem travel from where it rests vented', 0.5, 'mm, % or a fraction of travel'),
+    'pressure_drop': Column('Pa', 'drop of the process pressure over the valve', 5e7, 'raw counts'),
 }
-"""The columns of a record, most upstream first after `time`."""
+"""The columns of a record, most upstream first after `time`; the process comes last."""
+
+COMMANDS = ('set_point', 'control_current')
+"""What is commanded, and holds until the next command."""
 
 MEASURED = ('chamber_pressure', 'valve_position', 'back_pressure', 'mass_flow', 'supply_pressure')
-"""Sensor signals; `control_current` is a command and changes in steps."""
+"""Sensor signals of the positioner; `COMMANDS` change in steps."""
 
 UNKNOWN_COLUMN = 'unknown_column'
 """Kind of the defect that a column is not one of `COLUMNS`."""
@@ -85,7 +91,7 @@ class Record:
     Columns of equal length, in SI units, gauge pressures, NaN where a value is missing.
 
     `time` (s) increases strictly where it is present; without it the rows are a quasi-static sweep.
-    `control_current` holds from its row to the next. `rows` says where in the file each row was.
+    A command holds from its row to the next. `rows` says where in the file each row was.
     """
 
     columns: Mapping[str, Array]

@@ -24,17 +24,24 @@ class Recording:
     """
 
     def __init__(
-        self, csv_path: str, bag_path: str, bag_format: str, topics: Mapping[str, str]
+        self, csv_path: str, bag_path: str, bag_format: str, topics: Mapping[str, str],
+        command: str = 'control_current',
     ) -> None:
-        """Open the files whose paths are not empty; `topics` (by column) are those of the bag."""
+        """
+        Open the files whose paths are not empty; `topics` (by column) are those of the bag.
+
+        `command` is the column of what is sent.
+        """
         self.rows = 0
         """Rows so far."""
         self.start = 0
         """Stamp at which time is zero, ns."""
         self._topics = topics
+        self._command = command
         self._builder = RowBuilder()
         self._waiting: list[Row] = []
-        self._csv = CsvWriter(csv_path, Row._fields) if csv_path else None
+        time, _, *outputs = Row._fields
+        self._csv = CsvWriter(csv_path, (time, command, *outputs)) if csv_path else None
         self._bag = None
         if bag_path:
             # Only who asks for a bag needs rosbags.
@@ -45,10 +52,10 @@ class Recording:
                 self.discard()
                 raise
 
-    def sent(self, current: float, stamp: int) -> None:
-        """Note a command (A) that was sent at `stamp`, ns."""
-        self._builder.sent(current, self._seconds(stamp))
-        self._write_message('control_current', current, stamp)
+    def sent(self, command: float, stamp: int) -> None:
+        """Note a command (A or m) that was sent at `stamp`, ns."""
+        self._builder.sent(command, self._seconds(stamp))
+        self._write_message(self._command, command, stamp)
 
     def received(self, column: str, value: float, stamp: int) -> None:
         """Note an output of the positioner as it was at `stamp`, ns."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from booster_ros.records.record import MEASURED, Array, Defect
+from booster_ros.records.record import COMMANDS, MEASURED, Array, Defect
 from booster_ros.records.time_axis import GAP_PERIODS
 
 SLOPE_SAMPLES = 2
@@ -43,7 +43,7 @@ def merge(signals: Mapping[str, Signal]) -> tuple[dict[str, Array], Array, list[
     for name, signal in signals.items():
         if name == reference:
             continue
-        if name == 'control_current':
+        if name in COMMANDS:
             columns[name] = hold(signal, _middles(time))
             how.append(f'{name} holds until its next message')
         else:
@@ -111,12 +111,12 @@ def _from_first_command(
     columns: dict[str, Array], rows: Array, defects: list[Defect]
 ) -> tuple[dict[str, Array], Array]:
     """Drop the rows before the first command: what drove the valve then is not in the bag."""
-    if 'control_current' not in columns:
-        return columns, rows
-    unknown = np.isnan(columns['control_current'])
-    first = int(unknown.argmin())
-    if first == 0:
-        return columns, rows
-    text = f'{first} rows before the first message of control_current, dropped'
-    defects.append(Defect('no_command_yet', 'control_current', 1, first, first, text))
-    return {name: values[first:] for name, values in columns.items()}, rows[first:]
+    for name in COMMANDS:
+        first = int(np.isnan(columns[name]).argmin()) if name in columns else 0
+        if first:
+            text = f'{first} rows before the first message of {name}, dropped'
+            defects.append(Defect(
+                'no_command_yet', name, int(rows[0]), int(rows[first - 1]), first, text))
+            columns = {column: values[first:] for column, values in columns.items()}
+            rows = rows[first:]
+    return columns, rows

@@ -63,7 +63,9 @@ def check_pressure_scale(column: str, values: Array, rows: Array, source: str) -
 
 
 def check_above_vacuum(column: str, values: Array, rows: Array, source: str) -> None:
-    """Raise RecordError where a pressure is below vacuum."""
+    """Raise RecordError where a pressure is below vacuum; a drop of pressure may be."""
+    if column == 'pressure_drop':
+        return
     below = np.flatnonzero(values < VACUUM)
     if COLUMNS[column].unit == 'Pa' and below.size:
         raise RecordError(

@@ -49,6 +49,7 @@ class Rows:
 
 def aligned(record: Record, declared: PositionerParameters, dwell: float | None) -> Rows:
     """Return the rows of a record that can be used, their drives known and on one clock."""
+    record, beside = _without_loop(record)
     record, idle = _without_idle_command(record)
     needed = roles(record.columns, record.source, record.ignored).compared
     record, sparse = _without_sparse(record, needed)
@@ -71,7 +72,16 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
         source=record.source, columns=columns, sampled=sampled, role=role, time=time,
         begins=begins, quasi_static=quasi_static,
         usable=_usable_rows(time, columns, role, quasi_static), left_out=(*sparse, *trimmed),
-        notes=(*idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)))
+        notes=(*beside, *idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)))
+
+
+def _without_loop(record: Record) -> tuple[Record, tuple[str, ...]]:
+    """Return the record without what only a position controller and the process know."""
+    beside = [name for name in ('set_point', 'pressure_drop') if name in record]
+    others = {name: values for name, values in record.columns.items() if name not in beside}
+    return replace(record, columns=others), tuple(
+        f'{name} is read and not used: what lies downstream of the control current is judged'
+        for name in beside)
 
 
 def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:

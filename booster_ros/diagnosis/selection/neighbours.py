@@ -156,7 +156,7 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
         steps.append((one.effect, end, one.problem))
         tick()
     steps.sort(key=lambda step: step[1].cost)
-    ended = []
+    ended: list[Model] = []
     for name, end, joint in steps[:FINISHED]:
         if end.cost < FAR * steps[0][1].cost:
             # what had imitated the effect may have gone far: the best begin as given as well
