@@ -36,6 +36,7 @@ setup(
             'positioner = booster_ros.__main__:positioner',
             'fake_controller = booster_ros.__main__:fake_controller',
             'simulate = booster_ros.__main__:simulate',
+            'inspect = booster_ros.__main__:inspect',
             'close_loop = booster_ros.__main__:close_loop',
             'paper = booster_ros.__main__:paper',
             'demo = booster_ros.__main__:demo',

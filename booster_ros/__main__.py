@@ -16,6 +16,10 @@ PROGRAMS = {
         'a node that plays a current profile or closes the position loop, and can record',
     ),
     'simulate': ('booster_ros.programs.simulate', 'run the model over a table of currents'),
+    'inspect': (
+        'booster_ros.programs.inspect',
+        "say what a logger's file holds, and write a mapping that tells how it is read",
+    ),
     'close_loop': (
         'booster_ros.programs.close_loop',
         'say what the model lacks, judged by a record, and write the model that has it',
@@ -70,7 +74,7 @@ def start(name: str, args: list[str] | None = None) -> int:
 
 
 # what setup.py installs
-positioner, fake_controller, simulate, close_loop, paper, demo = (
+positioner, fake_controller, simulate, inspect, close_loop, paper, demo = (
     partial(start, name) for name in PROGRAMS)
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 import sys
@@ -17,18 +17,15 @@ from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import (
-    CsvWriter, RecordError, check_inputs_stay, csv_columns, csv_header_notes, first_row,
-    iterate_csv)
-from ..records.holding import last_known
+from ..records import CsvWriter, RecordError, check_inputs_stay
 from ..run_error import RunError
 from .compiling import announce_compilation
+from .input_rows import InputRows, input_rows
 from .interruption import ignore_interruptions, kept_interruption
+from .mapping_options import add_mapping_options, mapping_for
 from .path_argument import given_path
 from .progress_bar import ProgressBar
 
-INPUT = ('time', 'control_current')
-INITIAL = ('chamber_pressure', 'valve_position')
 OUTPUT = {
     'time': 'time',
     'control_current': 'control_current',
@@ -59,19 +56,20 @@ def main(args: Sequence[str] | None = None) -> int:
 def _simulate(options: argparse.Namespace, check: Callable[[], None]) -> None:
     check_inputs_stay([options.input, options.params], [options.out], '--out')
     parameters = from_values(read_parameter_file(options.params).physical)
-    _check_columns(options.input)
-    for note in csv_header_notes(options.input):
+    mapping = mapping_for(options.input, options)
+    source = input_rows(options.input, mapping, parameters.actuator.travel)
+    for note in source.notes:
         print(f'{options.input}: {note}', file=sys.stderr, flush=True)
     announce_compilation()
-    run(parameters, options.input, options.out, check)
+    run(parameters, source, options.out, check)
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='simulate',
         description='Run the model over time and control current. Units are SI, pressures gauge.',
-        epilog='IN needs the columns time (s) and control_current (A); a current stands from its '
-        'row to the next. Where the first row also has chamber_pressure (Pa) and valve_position '
+        epilog='IN needs the columns time (s) and control_current (A), by these names or mapped; '
+        'a current stands from its row to the next. Where the first row also has chamber_pressure (Pa) and valve_position '
         '(m), the run starts where the sensors read these, else vented. OUT has '
         f'{", ".join(OUTPUT)}.',
     )
@@ -81,11 +79,12 @@ def _parser() -> argparse.ArgumentParser:
     add('--input', type=given_path, required=True, metavar='IN.csv',
         help='time and control_current')
     add('--out', type=given_path, required=True, metavar='OUT.csv', help='file to write')
+    add_mapping_options(parser)
     return parser
 
 
 def run(
-    parameters: PositionerParameters, source: Path, target: Path, check: Callable[[], None]
+    parameters: PositionerParameters, source: InputRows, target: Path, check: Callable[[], None]
 ) -> None:
     """
     Simulate `source` into `target` in portions, so that memory stays flat however long it is.
@@ -100,12 +99,12 @@ def run(
         _progress(source) as bar,
         CsvWriter(target, tuple(OUTPUT)) as writer,
     ):
-        begin, current, initial = _first_row(source)
+        begin, current, initial = source.first()
         state, departure = start_of_readings(parameters, 0.0, current, initial)
         # what depends on time (drift, ripple) begins where the record begins
         stream = Stream(parameters, 0.0, current, state, departure=departure)
         ahead: tuple[np.ndarray, Future[dict[str, np.ndarray]]] | None = None
-        for time, currents in _portions(source):
+        for time, currents in source.portions():
             # machine code needs no interpreter: meanwhile the portion before is written
             following = worker.submit(stream.advance, time - begin, currents)
             check()
@@ -131,56 +130,11 @@ def _write(
     bar.update(len(time))
 
 
-def _check_columns(source: Path) -> None:
-    """Raise RecordError where a column is missing, before anything is compiled."""
-    known = csv_columns(source)
-    for name in INPUT:
-        if name not in known:
-            raise RecordError(f'{source}, row 1: there is no column {name}')
-
-
-def _portions(source: Path) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield time and current; an empty cell keeps the current before."""
-    standing = np.nan
-    for chunk in iterate_csv(source, INPUT):
-        current = _held(chunk.values[:, 1], standing)
-        standing = float(current[-1])
-        yield chunk.values[:, 0], current
-
-
-def _first_row(source: Path) -> tuple[float, float, dict[str, float]]:
-    """Return time, current and state to start from; RecordError where a value is missing."""
-    given = tuple(name for name in INITIAL if name in csv_columns(source))
-    names = INPUT + given
-    first = first_row(source, names)
-    values = dict(zip(names, first.values[0].tolist(), strict=True))
-    for name, value in values.items():
-        if np.isnan(value):
-            optional = ', or the column must go' if name in INITIAL else ''
-            raise RecordError(
-                f'{source}, row {first.rows[0]}, column {name}: the first row needs one{optional}')
-    return values['time'], values['control_current'], {name: values[name] for name in given}
-
-
-def _held(current: np.ndarray, standing: float) -> np.ndarray:
-    """Return the currents with the one before in place of NaN."""
-    latest = last_known(current)
-    return np.where(latest < 0, standing, current[latest])
-
-
-def _progress(source: Path) -> ProgressBar:
+def _progress(source: InputRows) -> ProgressBar:
     """Return a bar over the rows, silent where nobody looks at a terminal."""
     if not sys.stderr.isatty():
         return ProgressBar(disable=True)
-    return ProgressBar(total=_count_lines(source) - 1, unit=' rows', unit_scale=True)
-
-
-def _count_lines(source: Path) -> int:
-    lines = 0
-    with open(source, 'rb', buffering=0) as file:
-        while block := file.read(1 << 20):
-            lines += block.count(b'\n')
-    return lines
+    return ProgressBar(total=source.count(), unit=' rows', unit_scale=True)
 
 
 if __name__ == '__main__':

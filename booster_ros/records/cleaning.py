@@ -7,15 +7,17 @@ Every function takes the columns and the row numbers and returns what it changed
 is filled in that was not measured, except that a command holds until the next one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
 from booster_ros.records.clock import check_clock
+from booster_ros.records.dropouts import dropouts, sentinels
 from booster_ros.records.holding import held
 from booster_ros.records.record import COLUMNS, MEASURED, Array, Defect, Record, RecordError
 from booster_ros.records.time_axis import gap_rows
-from booster_ros.records.units import check_above_vacuum, check_pressure_scale
+from booster_ros.records.units import (
+    below_atmosphere, check_above_vacuum, check_pressure_scale)
 
 _UNEVEN_RATIO = 1.5
 _LISTED_RUNS = 8
@@ -31,13 +33,21 @@ _AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
 Columns = dict[str, Array]
 
 
-def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...] = ()) -> Record:
-    """Return the record with its defects handled; RecordError where one cannot be."""
+def clean(
+    columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...] = (),
+    stated: Collection[str] = (),
+) -> Record:
+    """
+    Return the record with its defects handled; RecordError where one cannot be.
+
+    Columns whose unit was `stated` may be as small as they are.
+    """
     found = list(defects)
     columns, dropped = drop_empty_columns(columns, rows, source)
     found += dropped
     for name, values in columns.items():
-        check_pressure_scale(name, values, rows, source)
+        if name not in stated:
+            check_pressure_scale(name, values, rows, source)
     if 'time' in columns:
         columns, rows, mended = _clean_time(columns, rows, source)
         # those whose only values were in rows without a time
@@ -47,10 +57,12 @@ def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...
     found += held
     for name in columns:
         found += missing_runs(name, columns[name], rows)
-        columns[name], wild = drop_wild_values(name, columns, rows)
-        found += wild
+        for drop in (drop_unread, drop_wild_values):
+            columns[name], dropped = drop(name, columns, rows)
+            found += dropped
         check_above_vacuum(name, columns[name], rows, source)
         found += resolution(name, columns[name])
+        found += below_atmosphere(name, columns[name])
     found += start(columns, rows)
     for values in (*columns.values(), rows):
         values.flags.writeable = False
@@ -176,6 +188,15 @@ def hold_command(columns: Columns, rows: Array) -> list[Defect]:
     filled = np.isnan(values) & np.isfinite(columns['control_current'])
     text = 'held from the row before'
     return _listed('missing_command', 'control_current', filled, rows, 'missing value', text)
+
+
+def drop_unread(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:
+    """Take out zeros and other numbers that say that a sensor was not read."""
+    coded, zero = sentinels(name, columns[name]), dropouts(name, columns)
+    noted = _listed('sentinel', name, coded, rows, 'value',
+                    'that loggers write where there is none, not used')
+    noted += _listed('dropout', name, zero, rows, 'zero', 'amid a pressure, not used: a dropout')
+    return np.where(coded | zero, np.nan, columns[name]), noted
 
 
 def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:
