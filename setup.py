@@ -23,7 +23,11 @@ setup(
     ],
     install_requires=['setuptools'],
     # By this colcon knows that the tests are pytest's.
-    extras_require={'test': ['pytest']},
+    extras_require={
+        'test': ['pytest'],
+        # files of others: units, workbooks, MATLAB 7.3, Parquet and Feather
+        'files': ['h5py', 'openpyxl', 'pandas', 'pint', 'pyarrow'],
+    },
     python_requires='>=3.10',
     zip_safe=False,
     maintainer='The booster_ros authors',

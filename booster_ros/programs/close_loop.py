@@ -108,8 +108,8 @@ def _parser() -> argparse.ArgumentParser:
         description='Compare the model with a record of a valve, say which effect it lacks, and '
         'write the model that has it.',
         epilog=f'R is a CSV file with any of the columns {", ".join(COLUMNS)} (SI units, gauge '
-        'pressures), a rosbag2 bag, or what --map or --column tell how to read. The most upstream channels drive the model, the others are '
-        'compared. DIR gets report.html, report.json, positioner.yaml (the model with what it '
+        'pressures), a rosbag2 bag, or a file that --map or --column tell how to read. The most '
+        'upstream channels drive the model, the others are compared. DIR gets report.html, report.json, positioner.yaml (the model with what it '
         'lacked) and positioner_before.yaml (the declared model refitted).',
     )
     add = parser.add_argument

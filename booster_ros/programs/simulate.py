@@ -69,8 +69,9 @@ def _parser() -> argparse.ArgumentParser:
         prog='simulate',
         description='Run the model over time and control current. Units are SI, pressures gauge.',
         epilog='IN needs the columns time (s) and control_current (A), by these names or mapped; '
-        'a current stands from its row to the next. Where the first row also has chamber_pressure (Pa) and valve_position '
-        '(m), the run starts where the sensors read these, else vented. OUT has '
+        'a current stands from its row to the next. Where the first row also has '
+        'chamber_pressure (Pa) and valve_position (m), the run starts where the sensors read '
+        'these, else vented. OUT has '
         f'{", ".join(OUTPUT)}.',
     )
     add = parser.add_argument

@@ -57,7 +57,7 @@ def clean(
     found += held
     for name in columns:
         found += missing_runs(name, columns[name], rows)
-        for drop in (drop_unread, drop_wild_values):
+        for drop in (drop_wild_values, drop_unread):
             columns[name], dropped = drop(name, columns, rows)
             found += dropped
         check_above_vacuum(name, columns[name], rows, source)

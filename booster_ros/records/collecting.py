@@ -59,16 +59,16 @@ def collect(table: Table, mapping: FileMapping) -> Collected:
         raise RecordError(f'{table.source} has no rows of data')
     every = np.concatenate(rows)
     defects: list[Defect] = []
-    values = {}
+    columns: dict[str, Array] = {}
     for name in places:
-        values[name] = np.concatenate(parts[name])
-        wrong = np.concatenate(bad[name]) & np.isfinite(values[name])
-        values[name][wrong] = np.nan
+        columns[name] = np.concatenate(parts[name])
+        wrong = np.concatenate(bad[name]) & np.isfinite(columns[name])
+        columns[name][wrong] = np.nan
         defects += noted('missing_mark', name, np.concatenate(marked[name]), every,
                          'that mean none, as the mapping says: missing')
         defects += noted('bad_quality', name, wrong, every, 'of bad quality, not used')
     time, begin, told = clock.seconds()
-    return Collected(every, time, begin, values, [*defects, *told])
+    return Collected(every, time, begin, columns, [*defects, *told])
 
 
 def _bad(portion: Portion, quality: list[tuple[Quality, int]], name: str) -> Array:

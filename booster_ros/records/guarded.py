@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import bz2
 import gzip
+import importlib
 import io
 import lzma
 import os
@@ -49,9 +50,10 @@ def check_regular(path: str | os.PathLike[str]) -> None:
 class GuardedStream(io.RawIOBase):
     """The bytes of a stream; RecordError where one line is longer than a table's can be."""
 
-    def __init__(self, stream: BinaryIO, source: str):
+    def __init__(self, stream: BinaryIO, source: str, file: BinaryIO):
         super().__init__()
         self._stream = stream
+        self._file = file
         self._source = source
         self._since_line_end = 0
 
@@ -73,9 +75,10 @@ class GuardedStream(io.RawIOBase):
         return len(block)
 
     def close(self) -> None:
-        """Close the stream behind it too."""
+        """Close the stream and the file behind it too."""
         if not self.closed:
             self._stream.close()
+            self._file.close()
         super().close()
 
 
@@ -93,7 +96,7 @@ def check_count(values: int, source: str) -> None:
 
 
 def opened_bytes(path: str | os.PathLike[str]) -> io.BufferedReader:
-    """Return the bytes of a file, those within it where it is compressed, lines of bounded length."""
+    """Return the bytes of a file, unpacked where it is compressed; no line is endless."""
     check_regular(path)
     source = os.fspath(path)
     try:
@@ -102,13 +105,13 @@ def opened_bytes(path: str | os.PathLike[str]) -> io.BufferedReader:
         file.seek(0)
     except OSError as error:
         raise RecordError(f'{source}: {error.strerror}') from None
-    return io.BufferedReader(GuardedStream(_unpacked(file, start, source), source), 1 << 18)
+    return io.BufferedReader(GuardedStream(_unpacked(file, start, source), source, file), 1 << 18)
 
 
-def _unpacked(file: BinaryIO, start: bytes, source: str) -> BinaryIO:
+def _unpacked(file: BinaryIO, start: bytes, source: str) -> Any:
     gzip_mark, bzip2_mark, xz_mark, zstandard_mark = COMPRESSED
     if start.startswith(gzip_mark):
-        return gzip.GzipFile(fileobj=file)  # type: ignore[return-value]
+        return gzip.GzipFile(fileobj=file)
     if start.startswith(bzip2_mark):
         return bz2.BZ2File(file)
     if start.startswith(xz_mark):
@@ -118,14 +121,12 @@ def _unpacked(file: BinaryIO, start: bytes, source: str) -> BinaryIO:
     return file
 
 
-def _zstandard(file: BinaryIO, source: str) -> BinaryIO:
-    try:
-        from backports.zstd import ZstdFile
-    except ModuleNotFoundError:
+def _zstandard(file: BinaryIO, source: str) -> Any:
+    for module in ('compression.zstd', 'backports.zstd'):  # the first from Python 3.14 on
         try:
-            from compression.zstd import ZstdFile  # Python 3.14
+            return importlib.import_module(module).ZstdFile(file)
         except ModuleNotFoundError:
-            file.close()
-            raise RecordError(f'{source}: is compressed by zstd, which needs the Python package '
-                              'backports.zstd') from None
-    return ZstdFile(file)  # type: ignore[no-any-return]
+            continue
+    file.close()
+    raise RecordError(f'{source}: is compressed by zstd, which needs the Python package '
+                      'backports.zstd')

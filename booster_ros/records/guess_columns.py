@@ -130,9 +130,8 @@ def _by_words(one: Summary, in_loop: bool) -> tuple[str, str] | None:
                 'set_point': "output, the positioner's set point"}[column]
         return column, f'a loop with its {what}'
     for column, words in _WORDS:
-        if re.search(words.replace('_', '[_ ]'), spaced):
-            if _fits(column, _unit_of(one)):
-                return column, f'its name, {one.name!r}, says so'
+        if re.search(words.replace('_', '[_ ]'), spaced) and _fits(column, _unit_of(one)):
+            return column, f'its name, {one.name!r}, says so'
     if _TAG_OF_VALVE.search(one.name):
         return 'set_point', "the tag is a valve's"
     if _TAG_OF_TRANSMITTER.search(one.name):

@@ -74,9 +74,9 @@ def _of_texts(texts: list[Summary]) -> GuessedTime:
     else:
         clocks = [one for one in texts[1:] if not has_date(formats_of(one.samples)[0])]
         # a time behind a date belongs to it, where the date has none of its own
-        alone = formats[0] == ISO and len(first.samples[0]) == 10 or '%H' not in formats[0]
-        order = (first, clocks[0]) if clocks and alone and formats[0] != ISO or (
-            clocks and alone) else None
+        alone = (len(first.samples[0]) == 10 if formats[0] == ISO
+                 else '%H' not in formats[0] and '%I' not in formats[0])
+        order = (first, clocks[0]) if clocks and alone else None
     if order:
         day, clock = order
         joined = [f'{a} {b}' for a, b in zip(day.samples, clock.samples)]

@@ -60,7 +60,7 @@ def inspect(path: str | os.PathLike[str], layout: Layout | None = None) -> Inspe
         time=time.mapping, missing=_missing(columns, guesses, long is not None),
         quality=_qualities(quality, guesses), long=long, layout=_told(table.layout),
         held=() if long else _held(columns, guesses))
-    seconds, mapping, notes = _clock(table, mapping, time)
+    seconds, mapping, notes = _clock(table, mapping)
     asked = [] if not time.asked else [f'time: {time.asked}']
     asked += [f'columns.{one.column}.{what}' for one in guesses for what in one.asked]
     if mapping.time is not None and mapping.time.zone == ASKED:
@@ -153,11 +153,10 @@ def _of_tags(table: Table, columns: list[Summary], long: LongTable) -> list[Summ
     return found
 
 
-def _clock(table: Table, mapping: FileMapping, guess: GuessedTime
-           ) -> tuple[Array | None, FileMapping, list[str]]:
+def _clock(table: Table, mapping: FileMapping) -> tuple[Array | None, FileMapping, list[str]]:
     """Return the times, s, as far as they can be read; the mapping with runs and zone; notes."""
-    if mapping.time is None or (guess.asked and mapping.time.unit == ASKED) or (
-            mapping.time.format == ASKED):
+    given = mapping.time
+    if given is None or ASKED in (given.unit, given.format):
         return None, mapping, []
     try:
         clock = Clock(table, mapping)
@@ -175,11 +174,11 @@ def _clock(table: Table, mapping: FileMapping, guess: GuessedTime
     try:
         ordered = in_order(time, every, None, 'time')
     except RecordError:  # the clock went back by an hour
-        mapping = replace(mapping, time=replace(mapping.time, zone=ASKED))
+        mapping = replace(mapping, time=replace(given, zone=ASKED))
         ordered = in_order(time, every, 'Europe/Berlin', 'time')
     else:
         if _goes_forward(ordered.time, ordered.runs):
-            mapping = replace(mapping, time=replace(mapping.time, zone=ASKED))
+            mapping = replace(mapping, time=replace(given, zone=ASKED))
     if mapping.long:
         return time, mapping, notes
     notes += [str(one) for one in ordered.defects]
@@ -190,7 +189,8 @@ def _clock(table: Table, mapping: FileMapping, guess: GuessedTime
         notes.append(f'{len(runs)} runs, each a record of its own: ' + ', '.join(
             f'{number} of {len(run)} rows from row {every[run].min()} on'
             for number, run in enumerate(runs[:12], 1)) + f'; the mapping takes {longest + 1}')
-    return (ordered.time[runs[(mapping.run or 1) - 1]] if runs else time), mapping, notes
+    chosen = mapping.run if isinstance(mapping.run, int) else 1
+    return (ordered.time[runs[chosen - 1]] if runs else time), mapping, notes
 
 
 def _goes_forward(time: Array, runs: list[Array]) -> bool:
@@ -209,7 +209,8 @@ def is_plain(found: Inspection) -> bool:
     return (found.table.kind == 'text' and not found.asked and not found.mapping.missing
             and not found.mapping.quality and not found.mapping.held and found.mapping.run is None
             and found.mapping.long is None and found.table.layout.header == 1
-            and found.table.layout.first == 2
+            and found.table.layout.first == 2 and found.table.layout.thousands is None
+            and str(found.table.layout.encoding).startswith('utf-8')
             and all(name == one.source and one.unit == COLUMNS[name].unit
                     for name, one in found.mapping.columns.items() if name in COLUMNS)
             and (found.mapping.time is None or (

@@ -43,7 +43,8 @@ def pivoted(table: Table, mapping: FileMapping, travel: float | None
     owners: list[Array] = []
     values: list[Array] = []
     defects: list[Defect] = []
-    names, seen, count = list(tags), set(), 0
+    names, count = list(tags), 0
+    seen: set[str] = set()
     for portion in table.portions(texts, wanted):
         tag = portion.frame[tag_place].astype('str').str.strip()
         seen |= set(tag.unique().tolist()) if len(seen) < 1000 else set()

@@ -175,8 +175,8 @@ def _held(values: Array) -> Array:
 def _held_note(name: str, limit: float, count: int) -> Defect:
     unit = COLUMNS[name].unit if name in COLUMNS else ''
     return Defect('held', name, 0, 0, count,
-                  f'stored by exception: between two rows the value held; changes below {limit:.3g} '
-                  f'{unit} are not there, and noise below that is gone')
+                  f'stored by exception: between two rows the value held; changes below '
+                  f'{limit:.3g} {unit} are not there, and noise below that is gone')
 
 
 def _run_note(number: int, runs: list[Array], rows: Array) -> list[Defect]:

@@ -218,8 +218,10 @@ def _layout(given: object, where: str) -> Layout:
         value = table.get(name)
         if not (value is None or (isinstance(value, int) and 0 <= value < 100_000)):
             raise RecordError(f'{where}.{name}: {value!r} is not the number of a line')
-    return Layout(**{name: value if name in ('header', 'first') else _text(table, name)
-                     for name, value in table.items()})
+    return Layout(
+        encoding=_text(table, 'encoding'), delimiter=_text(table, 'delimiter'),
+        decimal=_text(table, 'decimal'), thousands=_text(table, 'thousands'),
+        header=table.get('header'), first=table.get('first'), sheet=_text(table, 'sheet'))
 
 
 def _table(

@@ -107,7 +107,7 @@ def _hdf5(source: str) -> dict[str, Any]:
 
 
 def _as_vectors(found: Mapping[str, Array]) -> dict[str, Array]:
-    """Return vectors as they are, and a column of a matrix each as name(1), name(2) …"""
+    """Return vectors as they are, and the columns of a matrix as name(1), name(2) and so on."""
     vectors = {}
     for name, value in found.items():
         squeezed = np.squeeze(value)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 import datetime
+import importlib
 import itertools
 from typing import Any
 import warnings
@@ -52,7 +53,7 @@ def _check_size(source: str) -> None:
 
 def _rows(source: str, sheet: str | None) -> Iterator[Sequence[Any]]:
     try:
-        from openpyxl import load_workbook
+        load_workbook = importlib.import_module('openpyxl').load_workbook
     except ModuleNotFoundError:
         raise needs('openpyxl', source, 'reading an Excel workbook') from None
     try:

@@ -82,12 +82,15 @@ def _read(
     first = layout.first or 1
     options: dict[str, Any] = {
         'sep': r'\s+' if layout.delimiter == SPACES else layout.delimiter,
-        'header': None, 'names': list(range(width)), 'index_col': False, 'usecols': wanted,
-        'dtype': {place: str for place in texts & set(wanted)}, 'skip_blank_lines': False,
-        'decimal': layout.decimal or '.', 'thousands': layout.thousands, 'engine': 'c',
-        'float_precision': 'round_trip', 'chunksize': PORTION, 'skipinitialspace': True,
+        'header': None, 'names': list(range(width + 1)), 'index_col': False,
+        # pandas takes 01.02.2024 for a number where points separate thousands
+        'dtype': str if layout.thousands else dict.fromkeys(texts, str), 'engine': 'c',
+        'decimal': layout.decimal or '.', 'skip_blank_lines': False,
+        'chunksize': PORTION, 'skipinitialspace': True,
         'low_memory': False,
     }
+    if tuple(map(int, pd.__version__.split('.')[:2])) < (3, 1):
+        options['float_precision'] = 'round_trip'  # as it is from 3.1 on
     with opened_bytes(path) as file:
         text = io.TextIOWrapper(file, layout.encoding or 'utf-8', newline=None)
         try:
@@ -95,11 +98,18 @@ def _read(
                 if not text.readline():
                     raise RecordError(f'{source}: has no line {line + 1}')
             row = first
-            # one delimiter at the end of the rows makes a column without a name
             for frame in pd.read_csv(_Lines(text), **options):
-                filled = frame.notna().any(axis=1).to_numpy()
                 frame.index = range(row, row + len(frame))
                 row += len(frame)
+                # pandas would leave out cells behind the last column, and say nothing
+                beyond = frame.pop(width).notna().to_numpy()
+                if beyond.any():
+                    raise RecordError(f'{source}: row {frame.index[beyond][0]} has more cells than '
+                                      f'the {width} of the others')
+                frame = frame[wanted].copy()
+                for place in set(wanted) - texts:
+                    frame[place] = _plain(frame[place], layout)
+                filled = frame.notna().any(axis=1).to_numpy()
                 yield Portion(frame.index.to_numpy()[filled], frame[filled])
         except UnicodeDecodeError as error:
             raise RecordError(f'{source}: is not {error.encoding} throughout; say what it is in '
@@ -108,6 +118,24 @@ def _read(
             return
         except pd.errors.ParserError as error:
             raise RecordError(f'{source}: {_told(str(error), first)}') from None
+
+
+def _plain(values: Any, layout: Layout) -> Any:
+    """Return a column with the numbers in it written with a point and no thousands."""
+    decimal, thousands = layout.decimal or '.', layout.thousands
+    if values.dtype.kind in 'iufb' or (decimal == '.' and thousands is None):
+        return values
+    groups = rf'\d{{1,3}}(?:{re.escape(thousands)}\d{{3}})+|' if thousands else ''
+    number = rf'\s*[-+]?(?:{groups}\d+|(?={re.escape(decimal)}))(?:{re.escape(decimal)}\d*)?' \
+        r'(?:[eE][-+]?\d+)?\s*'
+    text = values.astype('str')
+    is_number = text.str.fullmatch(number).fillna(False).astype(bool)
+    written = text[is_number]
+    if thousands:
+        written = written.str.replace(thousands, '', regex=False)
+    plain = values.astype(object)
+    plain[is_number] = written.str.replace(decimal, '.', regex=False).astype(object)
+    return plain
 
 
 def _told(message: str, first: int) -> str:

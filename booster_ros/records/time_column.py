@@ -15,9 +15,7 @@ from booster_ros.records.record import Array, Defect, RecordError
 from booster_ros.records.time_format import ISO, formats_of, has_date
 
 DAY = 86400.0
-_EXACT = 2**53
 _CALENDAR = 1e8
-_LOCALE = 'C'
 
 
 class TimeColumn:
@@ -31,6 +29,8 @@ class TimeColumn:
         self._form = mapping.format
         if ASKED in (mapping.format, mapping.unit, mapping.zone):
             raise self._asked()
+        if mapping.zone:
+            check_zone(mapping.zone, where)
         if numeric:
             self._unit = self._conversion()
 
@@ -50,13 +50,13 @@ class TimeColumn:
             return self._seconds_of_numbers(raw)
         known = raw != _NOT_A_TIME
         begin = int(raw[known][0]) if known.any() else 0
-        time = np.where(known, (raw - begin) * 1e-9, np.nan)
-        defects = []
+        time = np.where(known, (raw - begin) / 1e9, np.nan)
+        defects: list[Defect] = []
         if self._mapping.zone and known.any() and has_date(self._form or ISO):
-            time, defects = _in_zone(raw, known, begin, self._mapping.zone, self._where)
+            time, defects = _in_zone(raw, known, begin, self._mapping.zone)
         elif not has_date(self._form or ISO):
             time = over_midnight(time)
-        return time, begin * 1e-9, defects
+        return time, begin / 1e9, defects
 
     def _seconds_of_numbers(self, raw: Array) -> tuple[Array, float, list[Defect]]:
         unit = self._unit
@@ -156,12 +156,11 @@ def over_midnight(time: Array) -> Array:
     return running
 
 
-def _in_zone(raw: Array, known: Array, begin: int, zone: str, where: str
+def _in_zone(raw: Array, known: Array, begin: int, zone: str
              ) -> tuple[Array, list[Defect]]:
     """Return seconds from the first of the times that a clock on a wall of this zone showed."""
     import pandas as pd
 
-    check_zone(zone, where)
     wall = pd.DatetimeIndex(raw[known].astype('datetime64[ns]'))
     # in the hour that comes twice, summer time ends where the clock jumps back
     back = np.diff(raw[known], prepend=raw[known][:1])
@@ -171,8 +170,8 @@ def _in_zone(raw: Array, known: Array, begin: int, zone: str, where: str
     moments = wall.tz_localize(zone, ambiguous=summer, nonexistent='shift_forward')
     at = moments.tz_convert('UTC').tz_localize(None).as_unit('ns').asi8
     time = np.full(len(raw), np.nan)
-    time[known] = (at - at[0]) * 1e-9
-    shown = (raw[known] - begin) * 1e-9
+    time[known] = (at - at[0]) / 1e9
+    shown = (raw[known] - begin) / 1e9
     moved = np.flatnonzero(np.abs(np.diff(time[known] - shown)) > 1.0)
     if not moved.size:
         return time, []

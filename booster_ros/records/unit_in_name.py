@@ -22,7 +22,7 @@ class Named(NamedTuple):
 
 
 def named(text: str) -> Named:
-    """Return a name and the unit in it; what stands in brackets and is no unit stays in the name."""
+    """Return a name and the unit in it; brackets with something else stay in the name."""
     whole = text.strip()[:_LONGEST]
     bracketed = _BRACKETS.fullmatch(whole) if whole[-1:] in ('])}>') and whole else None
     if bracketed and len(bracketed[2]) <= LONGEST_UNIT and parsed_unit(bracketed[2]) is not None:
