@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,11 +22,15 @@ from booster_ros.records.unit_in_name import normalised
 
 @dataclass
 class Collected:
-    """The columns of a table as numbers of the file, before units: rows, times, values."""
+    """
+    The columns of a table as numbers of the file, before units: rows, times, values.
+
+    `zone` is that of a clock whose changes are still in the times.
+    """
 
     rows: Array
     time: Array | None
-    begin: float
+    zone: str | None
     values: dict[str, Array]
     defects: list[Defect]
 
@@ -67,8 +72,8 @@ def collect(table: Table, mapping: FileMapping) -> Collected:
         defects += noted('missing_mark', name, np.concatenate(marked[name]), every,
                          'that mean none, as the mapping says: missing')
         defects += noted('bad_quality', name, wrong, every, 'of bad quality, not used')
-    time, begin, told = clock.seconds()
-    return Collected(every, time, begin, columns, [*defects, *told])
+    time, told = clock.seconds()
+    return Collected(every, time, clock.zone, columns, [*defects, *told])
 
 
 def _bad(portion: Portion, quality: list[tuple[Quality, int]], name: str) -> Array:
@@ -90,6 +95,7 @@ class Clock:
         self._count = 0
         self.places: list[int] = []
         self.texts: set[int] = set()
+        self.zone: str | None = None
         if given is None or given.stamps is not None:
             return
         if given.every is not None:
@@ -98,6 +104,8 @@ class Clock:
         self.places = [table.place(name, f'{self._where}.columns') for name in given.columns]
         given, numeric = self._told(table, given)
         self.texts = set() if numeric else set(self.places)
+        # times as text are put right by the calendar of their zone
+        self.zone = given.zone if numeric or given.zone is None else 'UTC'
         self._column = TimeColumn(given, numeric, self._where)
 
     def _told(self, table: Table, given: TimeMapping) -> tuple[TimeMapping, bool]:
@@ -117,15 +125,22 @@ class Clock:
         if self._column is None:
             return
         values = portion.frame[self.places[0]]
+        if len(self.places) > 1:
+            values = _as_text(values)
         for place in self.places[1:]:
-            values = values + ' ' + portion.frame[place]
+            values = values + ' ' + _as_text(portion.frame[place])
         self._column.add(values, portion.rows)
 
-    def seconds(self) -> tuple[Array | None, float, list[Defect]]:
-        """Return the times, s, None without; where they begin, s; and what was done."""
+    def seconds(self) -> tuple[Array | None, list[Defect]]:
+        """Return the times, s, None without, and what was done."""
         if self._every is not None:
-            return self._every * np.arange(self._count), 0.0, []
-        return self._column.seconds() if self._column else (None, 0.0, [])
+            return self._every * np.arange(self._count), []
+        return self._column.seconds() if self._column else (None, [])
+
+
+def _as_text(values: Any) -> Any:
+    """Return a column of text as it is, one of dates as text."""
+    return values.dt.strftime('%Y-%m-%d') if values.dtype.kind == 'M' else values.astype('str')
 
 
 def time_unit(name: str, unit_row: str) -> str | None:

@@ -164,12 +164,14 @@ def _clock(table: Table, mapping: FileMapping) -> tuple[Array | None, FileMappin
         for portion in table.portions(clock.texts, clock.places or [0]):
             clock.add(portion)
             rows.append(portion.rows)
-        time, _, told = clock.seconds()
+        time, told = clock.seconds()
     except RecordError as error:
         return None, mapping, [str(error)]
     if time is None:
         return None, mapping, []
     notes = [str(one) for one in told]
+    if mapping.long:
+        return time, mapping, notes
     every = np.concatenate(rows)
     try:
         ordered = in_order(time, every, None, 'time')
@@ -179,8 +181,6 @@ def _clock(table: Table, mapping: FileMapping) -> tuple[Array | None, FileMappin
     else:
         if _goes_forward(ordered.time, ordered.runs):
             mapping = replace(mapping, time=replace(given, zone=ASKED))
-    if mapping.long:
-        return time, mapping, notes
     notes += [str(one) for one in ordered.defects]
     runs = [run for run in ordered.runs if run.size]
     if len(runs) > 1:

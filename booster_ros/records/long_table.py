@@ -72,12 +72,12 @@ def pivoted(table: Table, mapping: FileMapping, travel: float | None
         listed = ', '.join(map(repr, sorted(seen)[:20]))
         raise RecordError(f'{mapping.source}, columns: {table.source} has none of the tags '
                           f'{", ".join(map(repr, tags.values()))}; it has {listed}')
-    time, begin, told = clock.seconds()
+    time, told = clock.seconds()
     assert time is not None
     flat = _Flat(np.concatenate(kept), time, np.concatenate(owners), np.concatenate(values))
     rows, stamps, columns = flat.wide(names)
     _check_all_there(columns, tags, table.source, mapping.source)
-    return Collected(rows, stamps, begin, columns, [*defects, *told, Defect(
+    return Collected(rows, stamps, 'UTC', columns, [*defects, *told, Defect(
         'pivoted', '', 0, 0, len(rows), f'one row for each value: {len(names)} tags on the '
         f'{len(rows)} times at which any of them has one')]), readings
 

@@ -44,8 +44,8 @@ class Runs:
         if self._time is None:
             self.runs = [np.arange(len(self._collected.rows))]
             return
-        zone = mapping.time.zone if mapping.time else None
-        ordered = in_order(self._time, self._collected.rows, zone, f'{mapping.source}, time')
+        ordered = in_order(self._time, self._collected.rows, self._collected.zone,
+                           f'{mapping.source}, time')
         self._time = ordered.time
         self._defects += ordered.defects
         self.runs = [run for run in ordered.runs if run.size]

@@ -48,7 +48,8 @@ class Reading:
                     least = float(np.nanmin(found)) if np.isfinite(found).any() else 0.0
                     raise RecordError(
                         f'{self.where}.gauge: never falls below {least:.4g} Pa, and may be gauge '
-                        'or absolute pressure; say gauge: true or gauge: false')
+                        'or absolute pressure; say gauge: true or gauge: false, or a unit such as '
+                        'kPag or kPaa')
                 notes.append('falls below 50 kPa, so it is gauge pressure')
             if not gauge:
                 notes.append('absolute pressure, 101325 Pa taken off')

@@ -18,6 +18,10 @@ from booster_ros.records.table import Portion, Table
 from booster_ros.records.text_layout import SAMPLE_LINES, SPACES, Found, found_in
 
 PORTION = 200_000
+MOST_CELLS = 10_000_000
+_MOST_TEXT = 1 << 25
+"""Most rows, cells and characters that are read at once."""
+
 _SAMPLE = 1 << 18
 
 
@@ -86,7 +90,7 @@ def _read(
         # pandas takes 01.02.2024 for a number where points separate thousands
         'dtype': str if layout.thousands else dict.fromkeys(texts, str), 'engine': 'c',
         'decimal': layout.decimal or '.', 'skip_blank_lines': False,
-        'chunksize': PORTION, 'skipinitialspace': True,
+        'chunksize': min(PORTION, MOST_CELLS // (width + 1)), 'skipinitialspace': True,
         'low_memory': False,
     }
     if tuple(map(int, pd.__version__.split('.')[:2])) < (3, 1):
@@ -187,11 +191,22 @@ def _json_lines(path: str | os.PathLike[str], encoding: str) -> Table:
     return Table(source, 'JSON lines', names, blank, blank, (), Layout(), portions)
 
 
+def _some_lines(text: io.TextIOWrapper, size: int) -> list[str]:
+    """Return the next lines, fewer than `size` where they are long."""
+    lines, length = [], 0
+    for line in itertools.islice(text, size):
+        lines.append(line)
+        length += len(line)
+        if length > _MOST_TEXT:
+            break
+    return lines
+
+
 def _json_frames(text: io.TextIOWrapper, source: str, size: int) -> Iterator[Any]:
     import pandas as pd
 
     row = 1
-    while lines := list(itertools.islice(text, size)):
+    while lines := _some_lines(text, size):
         if not ''.join(lines).strip():
             return
         try:

@@ -43,11 +43,11 @@ class TimeColumn:
         else:
             self._parts.append(self._texts(values, rows))
 
-    def seconds(self) -> tuple[Array, float, list[Defect]]:
-        """Return the times, s, NaN where missing; where they begin; and what was done."""
+    def seconds(self) -> tuple[Array, list[Defect]]:
+        """Return the times, s, NaN where missing, and what was done."""
         raw = np.concatenate(self._parts) if self._parts else np.empty(0)
         if self._numeric:
-            return self._seconds_of_numbers(raw)
+            return self._seconds_of_numbers(raw), []
         known = raw != _NOT_A_TIME
         begin = int(raw[known][0]) if known.any() else 0
         time = np.where(known, (raw - begin) / 1e9, np.nan)
@@ -56,15 +56,14 @@ class TimeColumn:
             time, defects = _in_zone(raw, known, begin, self._mapping.zone)
         elif not has_date(self._form or ISO):
             time = over_midnight(time)
-        return time, begin / 1e9, defects
+        return time, defects
 
-    def _seconds_of_numbers(self, raw: Array) -> tuple[Array, float, list[Defect]]:
+    def _seconds_of_numbers(self, raw: Array) -> Array:
         unit = self._unit
         known = np.isfinite(raw) if raw.dtype.kind == 'f' else np.ones(len(raw), dtype=bool)
         begin: Any = raw[known][0] if known.any() else 0
         shift = begin if abs(float(begin)) * unit.factor / unit.divisor > _CALENDAR else 0
-        time = unit.of((raw - shift).astype(float))
-        return time, float(unit.of(np.array([float(shift)]))[0]), []
+        return np.asarray(unit.of((raw - shift).astype(float)))
 
     def _conversion(self) -> Any:
         if self._mapping.unit is None:

@@ -80,7 +80,7 @@ def _change_clock(
         if at.size > 2:  # a record with gaps of an hour, or cycles of one
             continue
         if at.size and (zone is None or _has_no_summer(zone)):
-            if sign < 0.0:
+            if sign < 0.0 and zone is None:
                 row = rows[order[at[0] + 1]]
                 raise RecordError(
                     f'{where}, row {row}: the clock goes back by an hour; if it hung on a wall, '

@@ -11,7 +11,8 @@ from booster_ros.records.conversion import LONGEST_UNIT, is_usual, parsed_unit
 
 _BRACKETS = re.compile(r'(.*?)[\s_]*[\[({<]\s*([^\[\](){}<>]*(?:\([^()]*\))?)\s*[\])}>]\s*')
 _BEHIND = re.compile(r'(.*?\w)(?:\s*[,/]\s*|[\s_.\-]+in[\s_.\-]+|[\s_.\-]+)([^\s_,.\-/]+(?:/\w+)?)')
-_LONGEST = 200
+_LONGEST = 80
+"""Characters of the longest name in which a unit is looked for."""
 
 
 class Named(NamedTuple):
@@ -23,7 +24,9 @@ class Named(NamedTuple):
 
 def named(text: str) -> Named:
     """Return a name and the unit in it; brackets with something else stay in the name."""
-    whole = text.strip()[:_LONGEST]
+    whole = text.strip()
+    if len(whole) > _LONGEST:
+        return Named(whole, '')
     bracketed = _BRACKETS.fullmatch(whole) if whole[-1:] in ('])}>') and whole else None
     if bracketed and len(bracketed[2]) <= LONGEST_UNIT and parsed_unit(bracketed[2]) is not None:
         return Named(bracketed[1].strip(), bracketed[2].strip())
