@@ -14,21 +14,19 @@ import numpy as np
 from booster_ros.records.clock import check_clock
 from booster_ros.records.dropouts import dropouts, sentinels
 from booster_ros.records.holding import held
-from booster_ros.records.record import COLUMNS, MEASURED, Array, Defect, Record, RecordError
+from booster_ros.records.record import Array, Defect, Record, RecordError
+from booster_ros.records.remarks import below_atmosphere, resolution, start
 from booster_ros.records.time_axis import gap_rows
-from booster_ros.records.units import (
-    below_atmosphere, check_above_vacuum, check_pressure_scale)
+from booster_ros.records.units import check_above_vacuum, check_pressure_scale
 
 _UNEVEN_RATIO = 1.5
 _LISTED_RUNS = 8
 _EPOCH_SECONDS = 1e8
-_LARGEST_GRID = 2**16
 _WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 _FEWEST_ROWS = 200
 _MOST_REPEATED = 0.9  # a row for each channel repeats five of six stamps
 _WILD, _NOISY, _ALIKE = 0.3, 15.0, 10.0
 _USUAL, _USUALLY, _STRAIGHT = 4.0, 0.98, 0.01
-_AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
 
 Columns = dict[str, Array]
 
@@ -248,36 +246,6 @@ def missing_runs(column: str, values: Array, rows: Array) -> list[Defect]:
     """Find the runs of missing values of a column."""
     text = 'neither filled nor compared'
     return _listed('missing_values', column, np.isnan(values), rows, 'missing value', text)
-
-
-def resolution(column: str, values: Array) -> list[Defect]:
-    """Find the resolution of a quantised signal."""
-    if column not in MEASURED:
-        return []
-    levels = np.unique(values[np.isfinite(values)])
-    if levels.size < 3 or levels.size > _LARGEST_GRID:
-        return []
-    step = np.diff(levels).min()
-    span = levels[-1] - levels[0]
-    multiples = (levels - levels[0]) / step
-    if span / step > _LARGEST_GRID or np.abs(multiples - np.rint(multiples)).max() > 0.02:
-        return []
-    text = f'quantised in steps of {step:.3g} {COLUMNS[column].unit}, used as it is'
-    return [Defect('quantised', column, 0, 0, int(np.isfinite(values).sum()), text)]
-
-
-def start(columns: Columns, rows: Array) -> list[Defect]:
-    """Say that a record does not start at rest: its first rows are the initial state."""
-    if 'time' not in columns:
-        return []
-    for name, rest in _AT_REST.items():
-        known = np.flatnonzero(np.isfinite(columns.get(name, np.array([]))))
-        if known.size and columns[name][known[0]] > rest:
-            row, value = int(rows[known[0]]), columns[name][known[0]]
-            at = f'{value:.6g} {COLUMNS[name].unit}'
-            text = f'starts in operation, at {at}; taken as the initial state'
-            return [Defect('starts_in_operation', name, row, row, 1, text)]
-    return []
 
 
 def _select(columns: Columns, keep: Array) -> Columns:

@@ -4,16 +4,13 @@
 
 import numpy as np
 
-from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
+from booster_ros.records.record import COLUMNS, Array, RecordError
 
 LARGEST_KILOPASCALS = 2000.0
 """A pressure signal that stays below this number is in kPa, bar, MPa or psi, not in Pa."""
 
 VACUUM = -105e3
 """No gauge pressure is below this: the atmosphere is at most 1.05 bar at the sea."""
-
-_BELOW_ATMOSPHERE = -5e3
-"""Pa gauge: noise and drift of a vented chamber are above, what a vacuum makes is below."""
 
 _NOISE_SHARE = 0.05
 _PRACTICALLY_ZERO = 0.01
@@ -73,15 +70,3 @@ def check_above_vacuum(column: str, values: Array, rows: Array, source: str) -> 
             f'{source}, row {rows[below[0]]}, column {column}: {values[below[0]]:g} Pa gauge is '
             'below vacuum'
         )
-
-
-def below_atmosphere(column: str, values: Array) -> list[Defect]:
-    """Say that a pressure is below the atmosphere, which no positioner of the model makes."""
-    known = values[np.isfinite(values)]
-    if COLUMNS[column].unit != 'Pa' or not known.size:
-        return []
-    low = float(np.quantile(known, 0.01))
-    if low > _BELOW_ATMOSPHERE:
-        return []
-    return [Defect('vacuum', column, 0, 0, int(np.count_nonzero(known < _BELOW_ATMOSPHERE)),
-                   f'is below the atmosphere, down to {low:.4g} Pa: vacuum is outside the model')]
