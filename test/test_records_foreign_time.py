@@ -134,7 +134,8 @@ def test_newest_first_is_turned_round(tmp_path):
     assert record.rows[0] == 41
 
 
-@pytest.mark.parametrize(('bits', 'unit', 'step'), [(16, 'ms', 20), (32, 'ms', 10), (32, 'us', 5000)])
+@pytest.mark.parametrize(
+    ('bits', 'unit', 'step'), [(16, 'ms', 20), (32, 'ms', 10), (32, 'us', 5000)])
 def test_a_counter_that_wraps_runs_on(tmp_path, bits, unit, step):
     times = [str((2**bits - 10 * step + 3 + step * k) % 2**bits) for k in range(40)]
     record = mapped(write(tmp_path, with_times(times, f'time_{unit}')))

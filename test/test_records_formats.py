@@ -37,18 +37,20 @@ def test_compressed_text_is_read_by_its_own_names(tmp_path, name, compress):
 
 def test_what_unpacks_to_endless_lines_is_refused(tmp_path):
     path = write(tmp_path, gzip.compress(b'time,chamber_pressure\n' + bytes(50 << 20)), 'bomb.gz')
-    with pytest.raises(RecordError, match='more than 1 MB|binary'):
+    with pytest.raises(RecordError, match=r'more than 1 MB|binary'):
         read_record(path)
 
 
 @pytest.mark.parametrize(('encoding', 'mark'), [
     ('cp1252', b''), ('utf-8-sig', b''), ('utf-16', b'')])
 def test_encodings(tmp_path, encoding, mark):
-    text = '\n'.join(f'{line},{"Temperatur °C" if k == 0 else 20}' for k, line in enumerate(lines()))
+    text = '\n'.join(f'{line},{"Temperatur °C" if k == 0 else 20}'
+                     for k, line in enumerate(lines()))
     check(mapped(write(tmp_path, mark + text.encode(encoding))))
 
 
-@pytest.mark.parametrize(('delimiter', 'decimal'), [(';', ','), ('\t', ','), ('\t', '.'), ('|', '.')])
+@pytest.mark.parametrize(
+    ('delimiter', 'decimal'), [(';', ','), ('\t', ','), ('\t', '.'), ('|', '.')])
 def test_delimiters_and_decimal_signs(tmp_path, delimiter, decimal):
     text = [line.replace(',', delimiter).replace('.', decimal) for line in lines()]
     check(mapped(write(tmp_path, text)))
@@ -67,8 +69,8 @@ def test_signs_between_thousands(tmp_path, delimiter, thousands, decimal):
 
 
 def test_a_word_among_decimal_commas_spoils_no_number(tmp_path):
-    text = ['time;P act [kPa]', *(f'{k};{"Bad" if k == 7 else f"{20 + k / 8:.3f}"}'.replace('.', ',')
-                                  for k in range(40))]
+    text = ['time;P act [kPa]', *(f'{k};{20 + k / 8:.3f}'.replace('.', ',') for k in range(40))]
+    text[8] = '7;Bad'
     record = mapped(write(tmp_path, text))
     assert np.flatnonzero(np.isnan(record['chamber_pressure'])).tolist() == [7]
     assert record['chamber_pressure'][1] == 20_125.0

@@ -72,7 +72,8 @@ def test_a_loop_of_a_control_system_with_flags_and_a_long_head(tmp_path):
     path = write(tmp_path, '\r\n'.join(text), 'loop.txt')
     with pytest.raises(RecordError, match=r'columns\.process_value\.unit: .*FIC7\.PV'):
         mapped(path)
-    record = mapped(path, ('PV", unit: "?"', 'PV", unit: kPa'), ('SV", unit: "?"', 'SV", unit: kPa'))
+    record = mapped(path, ('PV", unit: "?"', 'PV", unit: kPa'),
+                    ('SV", unit: "?"', 'SV", unit: kPa'))
     assert len(record) == 60
     assert set(np.diff(record['time'])) == {10.0}
     assert record['set_point'][0] == pytest.approx(0.4 * TRAVEL, rel=1e-12)
@@ -99,7 +100,8 @@ def test_a_logger_without_header(tmp_path):
     path = write(tmp_path, '\r\n'.join(text))
     record = mapped(path, ('[1], unit: "?"', '[1], unit: ms'),
                     ('# NAME: {from: 3, unit: "?"}', 'valve_position: {from: 3, unit: mm}'),
-                    ('# NAME: {from: 4, unit: "?"}', 'chamber_pressure: {from: 4, unit: bar, gauge: true}'))
+                    ('# NAME: {from: 4, unit: "?"}',
+                     'chamber_pressure: {from: 4, unit: bar, gauge: true}'))
     assert record['chamber_pressure'][0] == pytest.approx(101_400.0)
     assert record['time'][1] - record['time'][0] == pytest.approx(0.01)
     assert record['valve_position'][0] == 4e-6
@@ -145,7 +147,8 @@ def test_a_unit_that_is_nowhere_is_asked_for_by_name(tmp_path):
 
 
 def test_numbers_too_small_or_large_for_their_unit_are_asked_about(tmp_path):
-    text = ['time,back_pressure,control_current', *(f'{k},{300 + k},{4 + k / 10}' for k in range(40))]
+    text = ['time,back_pressure,control_current',
+            *(f'{k},{300 + k},{4 + k / 10}' for k in range(40))]
     path = write(tmp_path, text)
     with pytest.raises(RecordError, match='the unit of'):
         mapped(path)

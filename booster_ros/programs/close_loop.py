@@ -109,8 +109,9 @@ def _parser() -> argparse.ArgumentParser:
         'write the model that has it.',
         epilog=f'R is a CSV file with any of the columns {", ".join(COLUMNS)} (SI units, gauge '
         'pressures), a rosbag2 bag, or a file that --map or --column tell how to read. The most '
-        'upstream channels drive the model, the others are compared. DIR gets report.html, report.json, positioner.yaml (the model with what it '
-        'lacked) and positioner_before.yaml (the declared model refitted).',
+        'upstream channels drive the model, the others are compared. DIR gets report.html, '
+        'report.json, positioner.yaml (the model with what it lacked) and positioner_before.yaml '
+        '(the declared model refitted).',
     )
     add = parser.add_argument
     add('--record', type=given_path, required=True, metavar='R', help='the record to explain')

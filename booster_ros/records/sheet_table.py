@@ -70,8 +70,7 @@ def _rows(source: str, sheet: str | None) -> Iterator[Sequence[Any]]:
                               f'{", ".join(names[:20])}')
         chosen = book[sheet or names[0]]
         chosen.reset_dimensions()
-        for row in chosen.iter_rows(values_only=True, max_col=MOST_COLUMNS):
-            yield row
+        yield from chosen.iter_rows(values_only=True, max_col=MOST_COLUMNS)
     finally:
         book.close()
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import cache
 import itertools
 import re
 
@@ -82,7 +82,7 @@ def _fits(form: str, texts: Sequence[str]) -> bool:
     return True
 
 
-@lru_cache(maxsize=None)
+@cache
 def _pattern(form: str) -> re.Pattern[str]:
     parts = re.split(r'(%[A-Za-z])', form)
     compact = any(one in form for one in _TWO_DIGITS)

@@ -9,7 +9,7 @@ from math import sqrt
 from booster_ros.diagnosis.experiment.experiment import Experiment
 
 UNIFORM = 1.0 / sqrt(3.0)
-"""Standard deviation of what lies anywhere within a limit on either side, as a share of the limit."""
+"""Standard deviation of what lies anywhere within a limit on either side, in limits."""
 
 
 def with_limits_of_storing(experiment: Experiment, held: Mapping[str, float]) -> Experiment:
