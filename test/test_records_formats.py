@@ -76,6 +76,16 @@ def test_a_word_among_decimal_commas_spoils_no_number(tmp_path):
     assert record['chamber_pressure'][1] == 20_125.0
 
 
+def test_commas_that_may_be_either_are_asked_about(tmp_path):
+    path = write(tmp_path, ['time;chamber_pressure', *(f'{k};{999 + k:,}' for k in range(40))])
+    with pytest.raises(RecordError, match="'1,000' has a comma for decimals or for thousands"):
+        mapping_in(path)
+    text = 'time: time\ncolumns: {chamber_pressure: {from: chamber_pressure, unit: Pa}}\n'
+    for signs, last in (('decimal: ".", thousands: ","', 1038.0), ('decimal: ","', 1.038)):
+        record = read_record(path, mapping=given(tmp_path, f'file: {{{signs}}}\n{text}'))
+        assert record['chamber_pressure'][-1] == last
+
+
 def test_dates_with_points_are_no_numbers_where_points_separate_thousands(tmp_path):
     text = ['Datum;Zeit;P act [Pa]', *(f'0{1 + k // 20}.02.2024;10:{k:02}:00;2{k:02}.000,5'
                                        for k in range(40))]

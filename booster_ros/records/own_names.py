@@ -25,8 +25,8 @@ def mapping_of_own_names(path: str | os.PathLike[str]) -> FileMapping:
     own = {guess.column: guess.mapping for guess in found.guesses
            if normalised(named(str(guess.mapping.source)).name) == guess.column}
     if not set(own) & set(COLUMNS):
-        raise RecordError(f'{os.fspath(path)}: no column has the name of a column of a record; it has '
-                          f'{", ".join(map(repr, found.table.names[:20]))}')
+        raise RecordError(f'{os.fspath(path)}: no column has the name of a column of a record; it '
+                          f'has {", ".join(map(repr, found.table.names[:20]))}')
     return replace(found.mapping, source=os.fspath(path), columns=own)
 
 

@@ -28,6 +28,8 @@ LONGEST_NAME = 200
 
 _NUMBER = re.compile(r'[-+]?(\d[\d.,\s]*|[.,]\d+)([eE][-+]?\d+)?')
 _TIME = re.compile(r'\d{1,4}[-/.:]\d{1,2}|\d{1,2}[-/ .][A-Za-z]{3}[-/ .]\d{2,4}|\d{8}[T ]\d{4}')
+_GROUPED = re.compile(r'[-+]?[1-9]\d{0,2},\d{3}')
+_WHOLE = re.compile(r'[-+]?[1-9]\d{0,2}')
 _NO_VALUE = frozenset({'', 'nan', 'na', 'n/a', 'null', 'none', '-', '--'})
 _COMMENTS = ('#', '%', '//', ';')
 _FEWEST_SHARE = 1 / 3
@@ -68,7 +70,7 @@ def found_in(lines: Sequence[str], given: Layout, source: str) -> Found:
     units = next((row for row in below if _are_units(row)), [])
     labels = next((row for row in below if row is not units and len(row) == len(named)), [])
     data = rows[first - 1:]
-    decimal = given.decimal or _decimal(data, delimiter)
+    decimal = given.decimal or _decimal(data, delimiter, source)
     thousands = given.thousands or _thousands(data, delimiter, decimal)
     return Found(
         Layout(given.encoding, delimiter, decimal, thousands, header, first, given.sheet),
@@ -173,22 +175,39 @@ def _padded(row: Sequence[str], width: int) -> tuple[str, ...]:
     return (*(cell[:LONGEST_NAME] for cell in row[:width]), *[''] * (width - len(row)))
 
 
-def _decimal(rows: Sequence[Sequence[str]], delimiter: str) -> str:
-    """Return the decimal sign; a comma where numbers have one and no point stands behind it."""
+def _decimal(rows: Sequence[Sequence[str]], delimiter: str, source: str) -> str:
+    """
+    Return the decimal sign; RecordError where numbers like 1,234 may be either.
+
+    Where commas do not separate cells and no number has a point, they are decimal signs, unless
+    whole numbers without one stand in the same column.
+    """
     if delimiter == ',' and not any(',' in cell for row in rows for cell in row):
         return '.'
     comma = point = 0
+    grouped: dict[int, str] = {}
+    whole: set[int] = set()
     for row in rows:
-        for cell in row:
+        for place, cell in enumerate(row):
             if not _NUMBER.fullmatch(cell):
                 continue
             last_comma, last_point = cell.rfind(','), cell.rfind('.')
-            if last_comma > last_point and cell.count(',') == 1:
-                # 1,234 beside other commas may be thousands, 0,004 and 1,5 are not
-                comma += not re.fullmatch(r'[-+]?[1-9]\d{0,2},\d{3}', cell)
+            if _GROUPED.fullmatch(cell):
+                grouped.setdefault(place, cell)
+            elif last_comma > last_point and cell.count(',') == 1:
+                comma += 1
             elif last_point > last_comma and cell.count('.') == 1:
                 point += 1
-    return ',' if comma > point else '.'
+            elif _WHOLE.fullmatch(cell):
+                whole.add(place)
+    if comma or point or not grouped or delimiter == ',':
+        return ',' if comma > point else '.'
+    if whole & set(grouped):
+        cell = grouped[min(whole & set(grouped))]
+        raise RecordError(f'{source}: {cell!r} has a comma for decimals or for thousands; say '
+                          'which in the mapping, as in file: {decimal: ","} or file: {decimal: '
+                          '".", thousands: ","}')
+    return ','
 
 
 def _thousands(rows: Sequence[Sequence[str]], delimiter: str, decimal: str) -> str | None:
