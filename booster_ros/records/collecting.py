@@ -114,7 +114,7 @@ class Clock:
             return given, given.unit is not None
         place = self.places[0]
         first = next(iter(table.portions((), self.places)), None)
-        if first is None or first.frame[place].dtype.kind not in 'iuf':
+        if first is None or not _are_numbers(first.frame[place]):
             return given, False
         unit = time_unit(table.names[place], table.units[place])
         return replace(given, unit=unit), True
@@ -136,6 +136,16 @@ class Clock:
         if self._every is not None:
             return self._every * np.arange(self._count), []
         return self._column.seconds() if self._column else (None, [])
+
+
+def _are_numbers(values: Any) -> bool:
+    """Tell whether a column holds numbers, be they written as text."""
+    import pandas as pd
+
+    if values.dtype.kind not in 'OU' and values.dtype != 'str':
+        return values.dtype.kind in 'iuf'
+    known = values.dropna()
+    return bool(len(known)) and bool(pd.to_numeric(known, errors='coerce').notna().all())
 
 
 def _as_text(values: Any) -> Any:
