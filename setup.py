@@ -24,7 +24,11 @@ setup(
     ],
     install_requires=['setuptools'],
     # By this colcon knows that the tests are pytest's.
-    extras_require={'test': ['pytest']},
+    extras_require={
+        'test': ['pytest'],
+        # files of others: units, workbooks, MATLAB 7.3, Parquet and Feather
+        'files': ['h5py', 'openpyxl', 'pandas', 'pint', 'pyarrow'],
+    },
     python_requires='>=3.10',
     zip_safe=False,
     maintainer='The booster_ros authors',
@@ -37,6 +41,7 @@ setup(
             'positioner = booster_ros.__main__:positioner',
             'fake_controller = booster_ros.__main__:fake_controller',
             'simulate = booster_ros.__main__:simulate',
+            'inspect = booster_ros.__main__:inspect',
             'close_loop = booster_ros.__main__:close_loop',
             'metrics = booster_ros.__main__:metrics',
             'paper = booster_ros.__main__:paper',

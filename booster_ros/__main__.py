@@ -17,6 +17,10 @@ PROGRAMS = {
     ),
     'simulate': (
         'booster_ros.programs.simulate', 'run the model over a table of currents or set points'),
+    'inspect': (
+        'booster_ros.programs.inspect',
+        "say what a logger's file holds, and write a mapping that tells how it is read",
+    ),
     'close_loop': (
         'booster_ros.programs.close_loop',
         'say what the model lacks, judged by a record, and write the model that has it',
@@ -79,7 +83,7 @@ def start(name: str, args: list[str] | None = None) -> int:
 
 
 # what setup.py installs
-positioner, fake_controller, simulate, close_loop, metrics, paper, demo, campaign = (
+positioner, fake_controller, simulate, inspect, close_loop, metrics, paper, demo, campaign = (
     partial(start, name) for name in PROGRAMS)
 
 

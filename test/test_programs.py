@@ -93,6 +93,9 @@ def test_a_node_shows_how_parameters_are_given_and_where_they_are_listed(node, p
     ('close_loop', '--params', ['--record', 'r', '--out', 'o']),
     ('close_loop', '--out', ['--record', 'r', '--params', 'p']),
     ('close_loop', '--validation', ['--record', 'r', '--params', 'p', '--out', 'o']),
+    ('close_loop', '--map', ['--record', 'r', '--params', 'p', '--out', 'o']),
+    ('inspect', '--map', ['f']),
+    ('inspect', '--csv', ['f']),
     ('paper', '--out', []),
     ('demo', '--out', []),
 ])
@@ -110,7 +113,7 @@ def test_the_list_of_programs_imports_none_of_them():
 
 @pytest.mark.parametrize('node', ['positioner', 'fake_controller'])
 def test_a_node_needs_rclpy_and_numpy_alone(node):
-    heavy = {'matplotlib', 'numba', 'rosbags', 'scipy', 'tqdm'}
+    heavy = {'matplotlib', 'numba', 'pandas', 'pint', 'rosbags', 'scipy', 'tqdm'}
     assert not heavy & imported_by(f'booster_ros.nodes.{node}')
 
 

@@ -251,3 +251,75 @@ def test_the_columns_of_a_record_cannot_be_changed(tmp_path):
     record = read_lines(tmp_path, good_lines())
     with pytest.raises(ValueError, match='read-only'):
         record['time'][0] = 1.0
+
+
+def saw_tooth(rows: int = 300) -> list[list[str]]:
+    """Return the cells of a saw tooth: time, current, pressure far above zero, position."""
+    return [[str(k), f'{0.004 + 0.0004 * (k % 10):.4g}', str(100_000 + 2000 * (k % 10)),
+             f'{0.0005 * (k % 10):.4g}'] for k in range(rows)]
+
+
+def read_cells(folder, cells: list[list[str]], header: str = HEADER):
+    return read_lines(folder, [header, *(','.join(one) for one in cells)])
+
+
+def test_zeros_amid_a_pressure_are_a_dropout(tmp_path):
+    cells = saw_tooth()
+    for k in range(100, 105):
+        cells[k][2] = '0'
+    record = read_cells(tmp_path, cells)
+    assert record.rows[np.isnan(record['chamber_pressure'])].tolist() == [102, 103, 104, 105, 106]
+    assert np.isfinite(record['valve_position']).all()
+    assert 'a dropout' in str(defects(record, 'dropout')[0])
+    alone = read_cells(tmp_path, [one[::2] for one in cells], 'time,chamber_pressure')
+    assert np.isnan(alone['chamber_pressure']).sum() == 5
+
+
+def test_zeros_of_a_valve_that_was_vented_are_pressures(tmp_path):
+    """The position fell with the pressure, or the command asked for it; others go near zero."""
+    vented = saw_tooth()
+    for k in range(100, 105):
+        vented[k] = [str(k), '0.004', '0', '0']
+    assert not defects(read_cells(tmp_path, vented), 'dropout')
+    near = saw_tooth()
+    for k in range(100, 105):
+        near[k][2] = str(20_000 * abs(102 - k))  # on its way down and up again
+    assert not defects(read_cells(tmp_path, near), 'dropout')
+    often = saw_tooth()
+    for k in range(100, 120):
+        often[k][2] = '0'
+    assert not defects(read_cells(tmp_path, often), 'dropout')
+    down = saw_tooth()
+    for k in range(100, 105):
+        down[k][2] = '0'
+    for k in range(105, 300):
+        down[k][2] = '30000'  # it came back elsewhere
+    assert not defects(read_cells(tmp_path, down), 'dropout')
+
+
+@pytest.mark.parametrize(('chamber', 'dropped'), [('100000', True), ('1000', False)])
+def test_a_supply_that_fails_is_no_dropout_unless_the_chamber_shows_it(tmp_path, chamber, dropped):
+    cells = [[str(k), '400000', '100000'] for k in range(300)]
+    for k in range(100, 105):
+        cells[k][1:] = ['0', chamber]
+    record = read_cells(tmp_path, cells, 'time,supply_pressure,chamber_pressure')
+    assert bool(defects(record, 'dropout')) is dropped
+
+
+@pytest.mark.parametrize('mark', ['-9999', '-999', '99999', '999999'])
+def test_numbers_that_loggers_write_for_none_are_no_pressures(tmp_path, mark):
+    cells = saw_tooth(40)
+    for k in (11, 12, 13):
+        cells[k][2] = mark
+    record = read_cells(tmp_path, cells)
+    assert np.flatnonzero(np.isnan(record['chamber_pressure'])).tolist() == (
+        [11, 12, 13] if mark != '99999' else [])  # among the others it may be one
+    assert len(defects(record, 'sentinel')) == (mark != '99999')
+
+
+def test_vacuum_is_said_to_be_outside_the_model(tmp_path):
+    cells = [[str(k), str(-30_000 - 10 * k)] for k in range(60)]
+    record = read_cells(tmp_path, cells, 'time,chamber_pressure')
+    assert 'vacuum is outside the model' in str(defects(record, 'vacuum')[0])
+    noise = [[str(k), str(-300 + 10 * k)] for k in range(60)]
+    assert not defects(read_cells(tmp_path, noise, 'time,chamber_pressure'), 'vacuum')

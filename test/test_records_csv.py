@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CSV records: which dialects are read, and what is refused in which words."""
 
+import os
 from pathlib import Path
 import re
 
@@ -70,8 +71,16 @@ def test_dialects_read_the_same(tmp_path, mangle):
     *((replaced(1, f'{name},control_current,b,c'), f"row 1: column '{name}' looks like the time")
       for name in ('elapsed', 'zeit', 'Messzeit (s)', 'Datum', 'ms', 'ts', 'epoch', 'uptime',
                    'unix_ns', 'ros clock', 'elapsedTime', 'timeMs', 'Millis')),
-    (replaced(1, 'time,control_current (mA),b,c'),
-     "row 1: column 'control_current (mA)' must be in A: convert it and call it control_current"),
+    (replaced(1, 'time,control_current (mm),b,c'),
+     "row 1, column 'control_current (mm)': mm is no unit of control_current, which is in A"),
+    (replaced(1, 'time,control_current (foo),b,c'),
+     "row 1, column 'control_current (foo)': 'foo' is no unit that is known"),
+    (replaced(1, 'time,b,c,valve_position [%]'),
+     "row 1, column 'valve_position [%]': is a share, of what a mapping has to say"),
+    (replaced(1, HEADER.replace('valve_position', 'chamber_pressure_quality')),
+     "row 1: column 'chamber_pressure_quality' says which values are good"),
+    (replaced(1, HEADER + ',' + 'x' * 2_000_000), 'has a line of more than 1 MB'),
+    (replaced(1, HEADER + ',x' * 20_000), 'has 20004 columns'),
     (replaced(1, ''), 'the first row is empty'),
     ([HEADER], 'has a header and no rows of data'),
     ([HEADER, '', ''], 'has a header and no rows of data'),
@@ -102,7 +111,7 @@ def test_a_word_among_the_numbers_of_the_first_row_is_no_row_of_units(tmp_path):
     (b'', 'the first row is empty'),
     ('time,chamber_pressure\n0,1\n'.encode('utf-16'), 'not a CSV in UTF-8 but UTF-16'),
     (b'PK\x03\x04abc', 'but a zip archive or spreadsheet'),
-    (b'\x1f\x8b\x08', 'but gzip'),
+    (b'\x1f\x8b\x08', 'cannot be read'),
     (b'time,druck\xfc\n', 'row 1: not UTF-8'),
     (b'time,\0\n', 'row 1: the file is binary'),
 ])
@@ -120,6 +129,55 @@ def test_a_unit_behind_a_name_may_stand_there_if_it_is_ours(tmp_path):
     header = 'time [s],control_current [A],chamber_pressure (Pa),valve_position [m]'
     record = read_lines(tmp_path, replaced(1, header))
     assert set(record.columns) == set(HEADER.split(','))
+
+
+@pytest.mark.parametrize(('name', 'unit', 'factor'), [
+    ('time', '(ms)', 1e3), ('control_current', '[mA]', 1e3), ('chamber_pressure', '[kPa]', 1e-3),
+    ('valve_position', ' (mm)', 1e3)])
+def test_another_unit_in_the_header_is_converted_and_noted(tmp_path, name, unit, factor):
+    plain = read_lines(tmp_path, good_lines())
+    place = HEADER.split(',').index(name)
+    rows = [line.split(',') for line in good_lines()[1:]]
+    for cells in rows:
+        cells[place] = f'{float(cells[place]) * factor:.9g}'
+    header = HEADER.replace(name, name + unit)
+    record = read_lines(tmp_path, [header, *map(','.join, rows)])
+    np.testing.assert_allclose(record[name], plain[name], rtol=1e-8, atol=1e-15)
+    assert len(defects(record, 'converted')) == 1
+
+
+def test_absolute_pressure_that_the_header_names_becomes_gauge_pressure(tmp_path):
+    lines = ['time,chamber_pressure [bara]', '0,2.0', '1,2.1']
+    record = read_lines(tmp_path, lines)
+    np.testing.assert_allclose(record['chamber_pressure'], [98_675.0, 108_675.0])
+    assert 'absolute' in defects(record, 'converted')[0].treatment
+
+
+def test_what_is_no_file_is_refused_before_it_is_read(tmp_path):
+    pipe = tmp_path / 'pipe'
+    os.mkfifo(pipe)  # nobody writes into it: opening it would wait for ever
+    for path in ('/dev/zero', '/dev/full', pipe):
+        with pytest.raises(RecordError, match='is a device, a pipe or a socket'):
+            read_record(path)
+
+
+def test_a_file_without_line_ends_is_refused_before_memory_goes(tmp_path):
+    path = tmp_path / 'endless.csv'
+    with path.open('wb') as file:
+        file.truncate(1 << 40)  # a terabyte of zeros that takes no room
+    for content in (b'', b'time,chamber_pressure\n0,1\n'):
+        with path.open('r+b') as file:
+            file.write(content)
+        with pytest.raises(RecordError, match='more than 1 MB'):
+            read_record(path)
+
+
+def test_names_of_a_hundred_thousand_characters_take_no_time(tmp_path):
+    lines = [f'{HEADER},{"_" * 100_000},chamber_pressur{"e" * 100_000}']
+    lines += [f'{line},1,2' for line in good_lines()[1:]]
+    record = read_lines(tmp_path, lines)
+    assert len(record) == 50
+    assert all(len(note) < 500 for note in record.notes)
 
 
 def test_unknown_columns_may_hold_anything_and_are_noted(tmp_path):

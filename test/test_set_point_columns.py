@@ -9,7 +9,7 @@ import pytest
 
 from booster_ros.control.selection import select_profile
 from booster_ros.control.settings import check
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.loop_start import start_of_run
 from booster_ros.model.parameters import ParameterError
 from booster_ros.model.simulation import simulate
@@ -78,6 +78,25 @@ def test_a_pressure_drop_in_the_table_pushes_the_stem(tmp_path):
     assert seen['valve_position'].min() < 3.97e-3
     rise = seen['chamber_pressure'][-1] - seen['chamber_pressure'][0]
     assert rise == pytest.approx(1e-3 * 2e5 / 0.0796, rel=0.05)
+
+
+def test_a_mapped_table_is_followed_as_a_plain_one_is(tmp_path):
+    """In mm and kPa under other names: set point and pressure drop drive the model alike."""
+    drops = [100000] * 50 + [300000] * 200
+    plain = ran(tmp_path, PUSHED, table_of(STEPS, drops))[1]
+    rows = ''.join(f'{0.02 * k:.2f},{step * 1e3:.3f},{drop / 1e3}{",4" if k == 0 else ","}\n'
+                   for k, (step, drop) in enumerate(zip(STEPS, drops, strict=True)))
+    source = write(tmp_path / 'mapped.csv', 't [s],SP [mm],dP [kPa],travel [mm]\n' + rows)
+    mapping = write(tmp_path / 'map.yaml', 'time: {columns: "t [s]", unit: s}\ncolumns: {'
+                    'set_point: "SP [mm]", pressure_drop: "dP [kPa]", valve_position: '
+                    '"travel [mm]"}\n')
+    out = tmp_path / 'mapped_out.csv'
+    assert program.main(['--params', str(tmp_path / 'params.yaml'), '--input', str(source),
+                         '--out', str(out), '--map', str(mapping)]) == 0
+    mapped = columns(out)
+    assert mapped.keys() == plain.keys()
+    for name, values in plain.items():
+        assert mapped[name] == pytest.approx(values, rel=1e-6, abs=1e-9), name
 
 
 @pytest.mark.parametrize(('params', 'table', 'says'), [

@@ -15,7 +15,7 @@ import pytest
 
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
-from booster_ros.programs import simulate as program
+from booster_ros.programs import input_rows, simulate as program
 from booster_ros.programs.interruption import kept_interruption
 from booster_ros.run_error import RunError
 
@@ -148,9 +148,9 @@ def test_a_long_file_in_portions_is_the_same_as_at_once(tmp_path, params, monkey
     text = 'time,control_current\n' + ''.join(
         f'{t:.2f},{0.43e-3 + 0.02e-3 * np.sin(t):.9f}\n' for t in time)
     whole = run_here(tmp_path, params, text)
-    original = program.iterate_csv
+    original = input_rows.iterate_csv
     monkeypatch.setattr(
-        program, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
+        input_rows, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
     portions = run_here(tmp_path, params, text)
     for name, column in whole.items():
         assert np.array_equal(portions[name], column), name
@@ -219,7 +219,7 @@ def test_a_model_without_solution_ends_a_run_and_is_no_bad_parameter(tmp_path):
     source = write(tmp_path / 'in.csv', 'time,control_current\n0,0.0006\n1,0.0006\n')
     p = from_values({'actuator.dead_volume': 1e-9})
     with kept_interruption() as check, pytest.raises(RunError, match='no solution'):
-        program.run(p, source, tmp_path / 'out.csv', check)
+        program.run(p, input_rows.CsvRows(source), tmp_path / 'out.csv', check)
 
 
 @pytest.mark.parametrize('portion', [1, 100])
@@ -230,8 +230,8 @@ def test_a_model_without_solution_is_one_sentence_and_status_2(
         f'{5.0 + 0.01 * k:.2f},0.0006\n' for k in range(60)))
     write(params, '/**:\n  ros__parameters:\n    actuator:\n      dead_volume: 1.0e-9\n')
     out = write(tmp_path / 'out.csv', 'as it was')
-    original = program.iterate_csv
-    monkeypatch.setattr(program, 'iterate_csv', lambda path, columns: original(
+    original = input_rows.iterate_csv
+    monkeypatch.setattr(input_rows, 'iterate_csv', lambda path, columns: original(
         path, columns, rows_per_chunk=portion))
     status = program.main(['--params', str(params), '--input', str(source), '--out', str(out)])
     message = [line for line in capfd.readouterr().err.splitlines() if 'compiling' not in line]
@@ -257,7 +257,7 @@ def test_files_that_are_not_there(tmp_path, params, capfd, missing):
 
 INTERRUPTED_AT = """
 import os, signal, weakref
-from booster_ros.programs import simulate as program
+from booster_ros.programs import input_rows, simulate as program
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whatever runs the tests may ignore it
 
 class Held:

@@ -30,7 +30,8 @@ from ..model.catalogue import EFFECTS
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
-from ..records import COLUMNS, Record, RecordError, check_inputs_stay, is_bag, read_record
+from ..records import (
+    COLUMNS, FileMapping, Record, RecordError, check_inputs_stay, is_bag, read_mapping, read_record)
 from ..report.html_report import html_page
 from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
@@ -38,6 +39,8 @@ from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
+from .mapping_options import (
+    add_mapping_options, legible, mapping_for, pointing_to_inspect)
 from .path_argument import given_path
 from .progress_bar import ProgressBar
 
@@ -70,7 +73,7 @@ def main(args: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors='replace')  # not every terminal knows a thin space
     print(f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis), sep='\n  ')
-    print(f'Report: {_legible(options.out / "report.html")}')
+    print(f'Report: {legible(options.out / "report.html")}')
     return 0
 
 
@@ -100,7 +103,7 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
                     diagnosis, options.calibrate,
                     SEED if options.seed is None else options.seed, tell, judge)
         _write(folder, diagnosis, Provenance(*map(
-            _legible, (options.record, options.params, options.validation or ''))), given.node)
+            legible, (options.record, options.params, options.validation or ''))), given.node)
         check()
     return diagnosis
 
@@ -111,9 +114,10 @@ def _parser() -> argparse.ArgumentParser:
         description='Compare the model with a record of a valve, say which effect it lacks, and '
         'write the model that has it.',
         epilog=f'R is a CSV file with any of the columns {", ".join(COLUMNS)} (SI units, gauge '
-        'pressures), or a rosbag2 bag. The most upstream channels drive the model, the others are '
-        'compared. DIR gets report.html, report.json, positioner.yaml (the model with what it '
-        'lacked) and positioner_before.yaml (the declared model refitted).',
+        'pressures), a rosbag2 bag, or a file that --map or --column tell how to read. The most '
+        'upstream channels drive the model, the others are compared. DIR gets report.html, '
+        'report.json, positioner.yaml (the model with what it lacked) and positioner_before.yaml '
+        '(the declared model refitted).',
     )
     add = parser.add_argument
     add('--record', type=given_path, required=True, metavar='R', help='the record to explain')
@@ -121,6 +125,9 @@ def _parser() -> argparse.ArgumentParser:
         help='the declared parameters')
     add('--out', type=given_path, required=True, metavar='DIR', help='folder for what is written')
     add('--validation', type=given_path, metavar='V', help='another record, for judging only')
+    add_mapping_options(parser)
+    add('--validation-map', type=given_path, metavar='M.yaml',
+        help='how the other record is read (default: as the record)')
     add('--topics', nargs='+', type=_topic, default=[], metavar='COLUMN=TOPIC',
         help='topics of a bag that do not go by the names of the columns; TOPIC:NAME picks an '
         'element of a JointState')
@@ -175,23 +182,37 @@ def _experiments(
     options: argparse.Namespace, declared: PositionerParameters
 ) -> list[tuple[Record, Experiment, tuple[str, ...]]]:
     """Return the record with its experiment and notes, then those of the other one if given."""
-    records = [
-        read_record(path, dict(options.topics), options.stamps) for path in _given(options)]
+    records = []
+    for path in _given(options):
+        with pointing_to_inspect(path):
+            records.append(read_record(
+                path, dict(options.topics), options.stamps, _mapping(options, path),
+                declared.actuator.travel))
     if options.dwell and all('time' in record for record in records):
         raise RecordError(_useless('--dwell', 'a sweep without time', options))
     if len(records) > 1 and records[0].has_rows_of(records[1]):
         raise RecordError(f'{options.validation}: has the rows of the record itself; --validation '
                           'takes another one')
-    experiments = [prepare(record, declared, options.dwell) for record in records]
+    experiments = []
+    for path, record in zip(_given(options), records, strict=True):
+        with pointing_to_inspect(path):
+            experiments.append(prepare(record, declared, options.dwell))
     return [(record, experiment, (*record.notes, *experiment.notes))
             for record, experiment in zip(records, experiments, strict=True)]
+
+
+def _mapping(options: argparse.Namespace, path: Path) -> FileMapping | None:
+    """Return the mapping of the record, or of the other one, which has one of its own if given."""
+    if path is options.validation and options.validation_map:
+        return read_mapping(options.validation_map)
+    return mapping_for(path, options)
 
 
 def _tell_notes(options: argparse.Namespace, notes: Sequence[Sequence[str]]) -> None:
     """Print the notes on each record before minutes go into it; the report has them as well."""
     for path, sentences in zip(_given(options), notes, strict=True):
         for sentence in sentences:
-            print(f'{_legible(path)}: {sentence}', file=sys.stderr, flush=True)
+            print(f'{legible(path)}: {sentence}', file=sys.stderr, flush=True)
 
 
 def _given(options: argparse.Namespace) -> list[Path]:
@@ -201,7 +222,7 @@ def _given(options: argparse.Namespace) -> list[Path]:
 
 def _useless(option: str, purpose: str, options: argparse.Namespace) -> str:
     """Return the sentence about an option that fits none of the records given."""
-    names = [_legible(path) for path in _given(options)]
+    names = [legible(path) for path in _given(options)]
     verb = 'is' if len(names) == 1 else 'are'
     return f'{option} is for {purpose}, and {" and ".join(names)} {verb} none'
 
@@ -247,14 +268,18 @@ def _check_paths(options: argparse.Namespace) -> None:
     """Raise RecordError where an input would be overwritten, or a record would judge itself."""
     records = _given(options)
     targets = [options.out / name for name in WRITTEN]
-    check_inputs_stay([*records, options.params], targets, '--out')
-    if len({os.path.realpath(path) for path in records}) < len(records):
+    maps = [path for path in (options.map, options.validation_map) if path is not None]
+    check_inputs_stay([*records, options.params, *maps], targets, '--out')
+    if not options.validation_map and (
+            len({os.path.realpath(path) for path in records}) < len(records)):
         raise RecordError(
             f'{options.validation}: is the record itself; --validation takes another one')
 
 
 def _check_options(options: argparse.Namespace) -> None:
     """Raise RecordError for an option of a bag, or of --calibrate, where there is none."""
+    if options.validation_map and options.validation is None:
+        raise RecordError('--validation-map is for --validation, which was not given')
     if options.seed is not None and not options.calibrate:
         raise RecordError('--seed is for --calibrate, which was not given')
     asked = {'--topics': options.topics, '--stamps header': options.stamps == 'header'}
@@ -280,11 +305,6 @@ def _hypotheses(options: argparse.Namespace) -> tuple[tuple[str, ...], frozenset
     if options.only:
         return tuple(options.only), frozenset()
     return tuple(name for name in EFFECTS if name not in options.without), PLACES
-
-
-def _legible(path: Path | str) -> str:
-    """Return a path as text; bytes in it that are no UTF-8 become question marks."""
-    return os.fsencode(path).decode('utf-8', 'replace')
 
 
 def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance, node: Mapping[str, Any]

@@ -9,12 +9,15 @@ from pathlib import Path
 from booster_ros.records.cleaning import clean
 from booster_ros.records.csv_file import (
     CsvWriter, csv_columns, csv_header_notes, first_row, iterate_csv, read_csv)
-from booster_ros.records.record import COLUMNS, Defect, Record, RecordError
+from booster_ros.records.mapping import FileMapping, read_mapping
+from booster_ros.records.open_table import is_table
+from booster_ros.records.record import COLUMNS, FURTHER, Defect, Record, RecordError
 from booster_ros.records.target import check_inputs_stay
 
 __all__ = [
-    'COLUMNS', 'CsvWriter', 'Defect', 'Record', 'RecordError', 'check_inputs_stay', 'csv_columns',
-    'csv_header_notes', 'first_row', 'is_bag', 'iterate_csv', 'read_record',
+    'COLUMNS', 'FURTHER', 'CsvWriter', 'Defect', 'FileMapping', 'Record', 'RecordError',
+    'check_inputs_stay', 'csv_columns', 'csv_header_notes', 'first_row', 'is_bag', 'iterate_csv',
+    'read_mapping', 'read_record',
 ]
 
 _BAG_SUFFIXES = {'.mcap', '.db3'}
@@ -29,12 +32,15 @@ def read_record(
     path: str | os.PathLike[str],
     topics: Mapping[str, str] | None = None,
     stamps: str = 'bag',
+    mapping: FileMapping | None = None,
+    travel: float | None = None,
 ) -> Record:
     """
-    Return the record in a CSV, or in a rosbag2 folder (sqlite3 or mcap).
+    Return the record in a CSV, in a rosbag2 folder (sqlite3 or mcap), or in what is mapped.
 
     `topics` maps columns to topics of a bag where the default mapping does not fit; `stamps` is
-    'bag' for the time of recording or 'header' for the time in the messages. RecordError is one
+    'bag' for the time of recording or 'header' for the time in the messages. `mapping` says how a
+    file of others is read, and `travel` (m) what per cent of travel are of. RecordError is one
     sentence.
     """
     if is_bag(path):
@@ -45,6 +51,11 @@ def read_record(
             raise RecordError(
                 f'{path}: reading a bag needs the Python package {missing.name}, which is not '
                 'installed') from None
-        return clean(*read_bag(path, topics, stamps))
+        return clean(*read_bag(path, topics, stamps, mapping))
+    if mapping is not None or is_table(path):
+        # nor does it need pandas and pint
+        from booster_ros.records.own_names import mapping_of_own_names
+        from booster_ros.records.mapped import read_mapped
+        return read_mapped(path, mapping or mapping_of_own_names(path), travel)
     columns, rows, defects = read_csv(path)
     return clean(columns, rows, str(path), defects)

@@ -3,17 +3,21 @@
 """Read the topics of a rosbag2 bag (sqlite3 or mcap) into the columns of a record."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+import itertools
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
+from booster_ros.records.bag_mapping import (
+    Samples, Unread, in_si, mapped_channels, notes_on_clocks, notes_on_commands)
 from booster_ros.records.bag_topics import (
-    READERS, STATE_TYPE, Channel, choose_channels, several_names)
+    READERS, STATE_TYPE, Channel, choose_channels, several_names, unread)
+from booster_ros.records.mapping import FileMapping
 from booster_ros.records.record import Array, Defect, RecordError
 from booster_ros.records.time_base import Signal, merge
 from booster_ros.records.units import check_finite, check_units
@@ -33,45 +37,45 @@ class Bag(NamedTuple):
     defects: tuple[Defect, ...]
 
 
-class _Samples(NamedTuple):
-    """What was read of one channel; `header` (ns) is empty where messages have no header."""
-
-    received: Array
-    header: Array
-    values: Array
-
-
 def read_bag(
-    path: str | os.PathLike[str], topics: Mapping[str, str] | None = None, stamps: str = 'bag'
+    path: str | os.PathLike[str], topics: Mapping[str, str] | None = None, stamps: str = 'bag',
+    mapping: FileMapping | None = None,
 ) -> Bag:
     """
     Return the columns that the topics of a bag hold, on one time base.
 
     `topics` maps columns to topics, as {'valve_position': '/left/joint_states:valve'}; without it
-    topics are taken by name. `stamps` is 'bag' (time of recording) or 'header'. RecordError says
+    topics are taken by name. `stamps` is 'bag' (time of recording) or 'header'. A `mapping` names
+    all columns that are read, with unit and gauge where the types do not tell. RecordError says
     what is wrong with the bag.
     """
+    if mapping is not None and mapping.time is not None and mapping.time.stamps:
+        stamps = mapping.time.stamps
     if stamps not in STAMPS:
         raise RecordError(f'stamps must be bag or header, not {stamps!r}')
     source = str(path)
-    _check_complete(Path(path))
+    check_complete(Path(path))
     try:
-        samples = _read_samples(Path(path), topics, stamps)
+        samples, left = _read_samples(Path(path), topics, stamps, mapping)
     except RecordError as error:
         raise RecordError(f'{source}: {error}') from None
     except Exception as error:
         # On a damaged bag rosbags raises whatever it meets: its own errors, struct.error, KeyError,
         # sqlite3.Error, YAMLError … There is nothing else in this block.
         raise RecordError(f'{source} is not a readable bag: {_one_line(error)}') from None
+    notes = [*left, *notes_on_clocks(samples, stamps), *notes_on_commands(samples)]
+    samples, converted = in_si(samples, mapping, source)
     signals = _signals(samples, stamps, source)
     columns, rows, defects = merge(signals)
+    defects += [*notes, *converted]
     for name, values in columns.items():
         check_finite(name, values, rows, source)
         check_units(name, values, rows, source)
     return Bag(columns, rows, source, tuple(defects))
 
 
-def _check_complete(path: Path) -> None:
+def check_complete(path: Path) -> None:
+    """Raise RecordError where there is no bag, or one without its metadata."""
     if not path.exists():
         raise RecordError(f'{path}: No such file or directory')
     if path.is_dir() and not (path / 'metadata.yaml').exists():
@@ -81,27 +85,54 @@ def _check_complete(path: Path) -> None:
         )
 
 
+def messages(path: Path, source: str, most: int) -> Iterator[tuple[str, str, int, int, Any]]:
+    """
+    Yield topic, type, time of recording and stamp (ns) and message of the first of a bag.
+
+    Each topic comes once without a message first, as some have none. RecordError where the bag
+    cannot be read.
+    """
+    types = get_typestore(Stores.ROS2_JAZZY)
+    try:
+        with Reader(path) as bag:
+            for connection in bag.connections:
+                yield connection.topic, connection.msgtype, 0, 0, None
+            wanted = [one for one in bag.connections if one.msgtype in READERS]
+            for connection, received, data in itertools.islice(bag.messages(wanted), most):
+                message = types.deserialize_cdr(data, connection.msgtype)
+                yield (connection.topic, connection.msgtype, received, _header_stamp(message),
+                       message)
+    except RecordError:
+        raise
+    except Exception as error:  # as in read_bag
+        raise RecordError(f'{source} is not a readable bag: {_one_line(error)}') from None
+
+
 def _one_line(error: Exception) -> str:
     text = ' '.join(str(error).split()) or type(error).__name__
     return text[:200]
 
 
 def _read_samples(
-    path: Path, topics: Mapping[str, str] | None, stamps: str
-) -> dict[Channel, _Samples]:
+    path: Path, topics: Mapping[str, str] | None, stamps: str, mapping: FileMapping | None
+) -> tuple[dict[Channel, Samples], list[Defect]]:
     types = get_typestore(Stores.ROS2_JAZZY)
     with Reader(path) as bag:
         available = {connection.topic: connection.msgtype for connection in bag.connections}
-        channels = choose_channels(available, topics, stamps)
+        channels = (choose_channels(available, topics, stamps) if mapping is None
+                    else mapped_channels(available, mapping, stamps))
+        left = Unread([] if mapping else unread(available, channels))
         by_topic = defaultdict(list)
         for channel in channels:
             by_topic[channel.topic].append(channel)
-        wanted = [connection for connection in bag.connections if connection.topic in by_topic]
+        wanted = [connection for connection in bag.connections
+                  if connection.topic in by_topic or connection.topic in left.joints]
         raw: dict[Channel, list[tuple[int, int, float]]] = {channel: [] for channel in channels}
         joints: dict[Channel, set[str]] = {channel: set() for channel in channels}
         for connection, received, data in bag.messages(wanted):
             message = types.deserialize_cdr(data, connection.msgtype)
             stamp = _header_stamp(message)
+            left.see(connection.topic, message, received, stamp)
             for channel in by_topic[connection.topic]:
                 value = READERS[channel.message_type](message, channel)
                 joints[channel].update(getattr(message, 'name', ()))
@@ -111,7 +142,7 @@ def _read_samples(
         # several publishers may share a topic, each with its own joint
         if (len(names) > 1 and not channel.element) or (names and not raw[channel]):
             raise several_names(channel, sorted(names))
-    return {channel: _as_arrays(triples) for channel, triples in raw.items()}
+    return {channel: _as_arrays(triples) for channel, triples in raw.items()}, left.notes(channels)
 
 
 def _header_stamp(message: object) -> int:
@@ -120,14 +151,14 @@ def _header_stamp(message: object) -> int:
     return 0 if header is None else header.stamp.sec * 10**9 + header.stamp.nanosec
 
 
-def _as_arrays(triples: list[tuple[int, int, float]]) -> _Samples:
+def _as_arrays(triples: list[tuple[int, int, float]]) -> Samples:
     received = np.array([triple[0] for triple in triples], dtype=np.int64)
     header = np.array([triple[1] for triple in triples], dtype=np.int64)
     values = np.array([triple[2] for triple in triples], dtype=float)
-    return _Samples(received, header if header.any() else header[:0], values)
+    return Samples(received, header if header.any() else header[:0], values)
 
 
-def _signals(samples: Mapping[Channel, _Samples], stamps: str, source: str) -> dict[str, Signal]:
+def _signals(samples: Mapping[Channel, Samples], stamps: str, source: str) -> dict[str, Signal]:
     for channel, sample in samples.items():
         if not sample.values.size:
             raise RecordError(
@@ -158,7 +189,7 @@ def _from_tick_before(state: Signal) -> Signal:
     return Signal(state.source, state.time[:-1], state.values[1:])
 
 
-def _header_stamps(samples: Mapping[Channel, _Samples], source: str) -> dict[Channel, Array]:
+def _header_stamps(samples: Mapping[Channel, Samples], source: str) -> dict[Channel, Array]:
     """
     Return the header stamps, and the time of recording of topics whose messages have none.
 

@@ -6,26 +6,30 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.records.record import COLUMNS, RecordError
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A column of a record, the topic it is read from, and the element of the message, if named."""
+    """
+    A column of a record, the topic it is read from, and the element of the message, if named.
+
+    `gauge` says whether a pressure is gauge where the type defines it as absolute: None as defined.
+    """
 
     column: str
     topic: str
     message_type: str
     element: str = ''
+    gauge: bool | None = None
 
 
 def _data(message: Any, channel: Channel) -> float:
     return float(message.data)
 
 
-def _gauge_pressure(message: Any, channel: Channel) -> float:
-    return float(message.fluid_pressure) - ATMOSPHERE
+def _fluid_pressure(message: Any, channel: Channel) -> float:
+    return float(message.fluid_pressure)
 
 
 def _joint_position(message: Any, channel: Channel) -> float | None:
@@ -56,17 +60,19 @@ def _state(message: Any, channel: Channel) -> float:
 
 
 STATE_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
+PRESSURE_TYPE = 'sensor_msgs/msg/FluidPressure'
+JOINT_TYPE = 'sensor_msgs/msg/JointState'
 
 READERS: Mapping[str, Callable[[Any, Channel], float | None]] = {
     'std_msgs/msg/Float64': _data,
     'std_msgs/msg/Float32': _data,
-    'sensor_msgs/msg/FluidPressure': _gauge_pressure,
-    'sensor_msgs/msg/JointState': _joint_position,
+    PRESSURE_TYPE: _fluid_pressure,
+    JOINT_TYPE: _joint_position,
     STATE_TYPE: _state,
 }
 """Function that reads a value from a message, by message type; None if the message lacks it."""
 
-_STAMPED = ('sensor_msgs/msg/FluidPressure', 'sensor_msgs/msg/JointState')
+_STAMPED = (PRESSURE_TYPE, JOINT_TYPE)
 _SUFFIX = '_stamped'
 _STATE_TOPIC = 'state'
 _STATE_FIELDS = {
@@ -105,6 +111,12 @@ def choose_channels(
     if not channels:
         raise RecordError(f'no topic is called after a column; there are {_listing(available)}')
     return channels
+
+
+def unread(available: Mapping[str, str], channels: Iterable[Channel]) -> list[str]:
+    """Return the topics of joints that no channel is read from: one may be the position meant."""
+    used = {channel.topic for channel in channels}
+    return [topic for topic, kind in available.items() if kind == JOINT_TYPE and topic not in used]
 
 
 def _asked_for(column: str, target: str, available: Mapping[str, str]) -> Channel:

@@ -7,38 +7,45 @@ Every function takes the columns and the row numbers and returns what it changed
 is filled in that was not measured, except that a command holds until the next one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
 from booster_ros.records.clock import check_clock
+from booster_ros.records.dropouts import dropouts, sentinels
 from booster_ros.records.holding import held
-from booster_ros.records.record import (
-    COLUMNS, COMMANDS, MEASURED, Array, Defect, Record, RecordError)
+from booster_ros.records.record import COMMANDS, Array, Defect, Record, RecordError
+from booster_ros.records.remarks import below_atmosphere, resolution, start
 from booster_ros.records.time_axis import gap_rows
 from booster_ros.records.units import check_above_vacuum, check_pressure_scale
 
 _UNEVEN_RATIO = 1.5
 _LISTED_RUNS = 8
 _EPOCH_SECONDS = 1e8
-_LARGEST_GRID = 2**16
 _WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 _FEWEST_ROWS = 200
 _MOST_REPEATED = 0.9  # a row for each channel repeats five of six stamps
 _WILD, _NOISY, _ALIKE = 0.3, 15.0, 10.0
 _USUAL, _USUALLY, _STRAIGHT = 4.0, 0.98, 0.01
-_AT_REST = {'chamber_pressure': 5e3, 'control_current': 1e-6}
 
 Columns = dict[str, Array]
 
 
-def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...] = ()) -> Record:
-    """Return the record with its defects handled; RecordError where one cannot be."""
+def clean(
+    columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...] = (),
+    stated: Collection[str] = (),
+) -> Record:
+    """
+    Return the record with its defects handled; RecordError where one cannot be.
+
+    Columns whose unit was `stated` may be as small as they are.
+    """
     found = list(defects)
     columns, dropped = drop_empty_columns(columns, rows, source)
     found += dropped
     for name, values in columns.items():
-        check_pressure_scale(name, values, rows, source)
+        if name not in stated:
+            check_pressure_scale(name, values, rows, source)
     if 'time' in columns:
         columns, rows, mended = _clean_time(columns, rows, source)
         # those whose only values were in rows without a time
@@ -48,10 +55,12 @@ def clean(columns: Columns, rows: Array, source: str, defects: tuple[Defect, ...
         found += hold_command(name, columns, rows)
     for name in columns:
         found += missing_runs(name, columns[name], rows)
-        columns[name], wild = drop_wild_values(name, columns, rows)
-        found += wild
+        for drop in (drop_wild_values, drop_unread):
+            columns[name], dropped = drop(name, columns, rows)
+            found += dropped
         check_above_vacuum(name, columns[name], rows, source)
         found += resolution(name, columns[name])
+        found += below_atmosphere(name, columns[name])
     found += start(columns, rows)
     for values in (*columns.values(), rows):
         values.flags.writeable = False
@@ -179,6 +188,15 @@ def hold_command(name: str, columns: Columns, rows: Array) -> list[Defect]:
     return _listed('missing_command', name, filled, rows, 'missing value', text)
 
 
+def drop_unread(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:
+    """Take out zeros and other numbers that say that a sensor was not read."""
+    coded, zero = sentinels(name, columns[name]), dropouts(name, columns)
+    noted = _listed('sentinel', name, coded, rows, 'value',
+                    'that loggers write where there is none, not used')
+    noted += _listed('dropout', name, zero, rows, 'zero', 'amid a pressure, not used: a dropout')
+    return np.where(coded | zero, np.nan, columns[name]), noted
+
+
 def drop_wild_values(name: str, columns: Columns, rows: Array) -> tuple[Array, list[Defect]]:
     """
     Take out values of a single row that no valve can have gone to and come back from.
@@ -228,36 +246,6 @@ def missing_runs(column: str, values: Array, rows: Array) -> list[Defect]:
     """Find the runs of missing values of a column."""
     text = 'neither filled nor compared'
     return _listed('missing_values', column, np.isnan(values), rows, 'missing value', text)
-
-
-def resolution(column: str, values: Array) -> list[Defect]:
-    """Find the resolution of a quantised signal."""
-    if column not in MEASURED:
-        return []
-    levels = np.unique(values[np.isfinite(values)])
-    if levels.size < 3 or levels.size > _LARGEST_GRID:
-        return []
-    step = np.diff(levels).min()
-    span = levels[-1] - levels[0]
-    multiples = (levels - levels[0]) / step
-    if span / step > _LARGEST_GRID or np.abs(multiples - np.rint(multiples)).max() > 0.02:
-        return []
-    text = f'quantised in steps of {step:.3g} {COLUMNS[column].unit}, used as it is'
-    return [Defect('quantised', column, 0, 0, int(np.isfinite(values).sum()), text)]
-
-
-def start(columns: Columns, rows: Array) -> list[Defect]:
-    """Say that a record does not start at rest: its first rows are the initial state."""
-    if 'time' not in columns:
-        return []
-    for name, rest in _AT_REST.items():
-        known = np.flatnonzero(np.isfinite(columns.get(name, np.array([]))))
-        if known.size and columns[name][known[0]] > rest:
-            row, value = int(rows[known[0]]), columns[name][known[0]]
-            at = f'{value:.6g} {COLUMNS[name].unit}'
-            text = f'starts in operation, at {at}; taken as the initial state'
-            return [Defect('starts_in_operation', name, row, row, 1, text)]
-    return []
 
 
 def _select(columns: Columns, keep: Array) -> Columns:

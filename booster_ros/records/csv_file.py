@@ -16,6 +16,8 @@ from booster_ros.records.clock import check_clock
 from booster_ros.records.csv_digits import fixed_lines
 from booster_ros.records.csv_header import Header, read_header
 from booster_ros.records.csv_text import line_blocks, parse_block
+from booster_ros.records.guarded import (
+    LONGEST_LINE, check_count, check_regular, endless_line)
 from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
 from booster_ros.records.target import replaced_by
 from booster_ros.records.units import check_finite, check_units
@@ -46,8 +48,12 @@ def csv_header_notes(path: str | os.PathLike[str]) -> tuple[str, ...]:
 def read_csv(path: str | os.PathLike[str]) -> tuple[dict[str, Array], Array, tuple[Defect, ...]]:
     """Return the known columns of a CSV as they are, the row numbers, and notes on the header."""
     source = str(path)
+    chunks, count = [], 0
     with _opened(path) as (header, file):
-        chunks = list(_chunks(header, file, source))
+        for chunk in _chunks(header, file, source):
+            count += chunk.values.size
+            check_count(count, source)
+            chunks.append(chunk)
     if not chunks:
         raise _without_rows(source)
     rows = np.concatenate([chunk.rows for chunk in chunks])
@@ -94,7 +100,7 @@ def first_row(path: str | os.PathLike[str], columns: Sequence[str]) -> Chunk:
     source = str(path)
     with _opened(path) as (header, file):
         wanted = _wanted(header, columns, source)
-        for chunk in _chunks(wanted, BytesIO(_to_first_row(file)), source):
+        for chunk in _chunks(wanted, BytesIO(_to_first_row(file, source)), source):
             return chunk
         raise _without_rows(source)
 
@@ -108,10 +114,10 @@ def _wanted(header: Header, columns: Sequence[str], source: str) -> Header:
         header, positions={name: header.positions[name] for name in columns}, defects=())
 
 
-def _to_first_row(file: BinaryIO) -> bytes:
+def _to_first_row(file: BinaryIO, source: str) -> bytes:
     """Return the rest of a file as far as its first line that is not blank."""
     blank = b''
-    for block in line_blocks(file):
+    for block in line_blocks(file, source):
         text = block.lstrip()
         if text:
             return blank + block[:block.index(b'\n', len(block) - len(text)) + 1]
@@ -125,9 +131,12 @@ def _without_rows(source: str) -> RecordError:
 
 @contextmanager
 def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Header, BinaryIO]]:
+    check_regular(path)
     try:
         with open(path, 'rb') as file:
-            first_line = file.readline()
+            first_line = file.readline(LONGEST_LINE + 1)
+            if len(first_line) > LONGEST_LINE:
+                raise endless_line(str(path))
             if b'\r' in first_line.rstrip(b'\r\n'):
                 first_line = first_line.split(b'\r', 1)[0] + b'\r'
                 file.seek(len(first_line))
@@ -140,9 +149,12 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Header, BinaryIO]]:
 
 def _chunks(header: Header, file: BinaryIO, source: str) -> Iterator[Chunk]:
     first_row = 2
-    for block in line_blocks(file):
+    for block in line_blocks(file, source):
         rows, values = parse_block(block, first_row, header, source)
         first_row += block.count(b'\n')
+        for place, name in enumerate(header.names):
+            if name in header.conversions:
+                values[:, place] = header.conversions[name].of(values[:, place])
         if rows.size:
             for place, name in enumerate(header.names):
                 check_finite(name, values[:, place], rows, source)

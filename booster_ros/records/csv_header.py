@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The header of a CSV record: its columns, how cells are separated and decimals are written."""
 
+from collections.abc import Mapping
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import difflib
 import re
 
+from booster_ros.records.conversion import (
+    Conversion, conversion, gauge_offset, parsed_unit)
+from booster_ros.records.guarded import MOST_COLUMNS
 from booster_ros.records.record import (
     COLUMNS, UNKNOWN_COLUMN, Defect, RecordError)
 
@@ -30,19 +34,25 @@ _TIME_IN_FIRST_PLACE = {
 """Words that mean the time: anywhere in the name of a column, and only where they begin it."""
 
 
+_LONGEST_NAME = 200
+"""Characters of a name that are looked at."""
+
+
 @dataclass(frozen=True)
 class Header:
     """
     The layout of a CSV.
 
     `positions` maps the known columns to their place; `width` counts all columns. With a separator
-    other than a comma, a comma in a number is a decimal comma.
+    other than a comma, a comma in a number is a decimal comma. `conversions` has the columns that
+    are in another unit than a record's.
     """
 
     positions: dict[str, int]
     width: int
     delimiter: str
     defects: tuple[Defect, ...]
+    conversions: Mapping[str, Conversion] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -58,17 +68,24 @@ def read_header(line: bytes, source: str) -> Header:
         cells = next(csv.reader([text], delimiter=delimiter), [])
     except csv.Error as error:
         raise RecordError(f'{source}, row 1: the header is not CSV ({error})') from None
+    if len(cells) > MOST_COLUMNS:
+        raise RecordError(f'{source}, row 1: has {len(cells)} columns, more than any record')
+    cells = [cell[:_LONGEST_NAME] for cell in cells]
     positions: dict[str, int] = {}
+    conversions: dict[str, Conversion] = {}
     defects = []
     for place, cell in enumerate(cells):
-        name = _without_unit(cell, source)
+        name, unit = _without_unit(cell)
         if name not in COLUMNS:
             defects.append(_ignored(cell, place))
             continue
         if name in positions:
             raise RecordError(f'{source}, row 1: column {name} appears twice')
         positions[name] = place
-        if name != cell.strip():
+        if unit:
+            conversions[name], note = _converted(name, unit, cell.strip(), source)
+            defects.append(Defect('converted', name, 1, 1, 1, note))
+        elif name != cell.strip():
             defects.append(Defect('renamed_column', cell.strip(), 1, 1, 1, f'read as {name}'))
     if not set(positions) - {'time'}:
         asked = ', '.join(f'{cell.strip()}{question}' for cell in cells
@@ -79,7 +96,11 @@ def read_header(line: bytes, source: str) -> Header:
         )
     if 'time' not in positions:
         _refuse_disguised_time(cells, source)
-    return Header(positions, len(cells), delimiter, tuple(defects))
+    for cell in cells:
+        if 'quality' in _normalised(cell).split('_'):
+            raise RecordError(f'{source}, row 1: column {cell.strip()!r} says which values are '
+                              'good; a mapping has to say what good is')
+    return Header(positions, len(cells), delimiter, tuple(defects), conversions)
 
 
 def _decode(line: bytes, source: str) -> str:
@@ -99,18 +120,34 @@ def _normalised(cell: str) -> str:
     return cell.strip().lower().replace(' ', '_').replace('-', '_')
 
 
-def _without_unit(cell: str, source: str) -> str:
-    """Return the name of a column without the unit behind it, which must be that in `COLUMNS`."""
+def _without_unit(cell: str) -> tuple[str, str]:
+    """Return the name of a column, and the unit behind it where it is not that in `COLUMNS`."""
     name = _normalised(cell)
     parts = re.fullmatch(r'(\w+?)_*[\[(](.*)[\])]', name)
     if parts is None or parts[1] not in COLUMNS:
-        return name
-    unit = COLUMNS[parts[1]].unit
-    if parts[2].strip('_') != unit.lower():
-        raise RecordError(
-            f'{source}, row 1: column {cell.strip()!r} must be in {unit}: convert it and call it '
-            f'{parts[1]}')
-    return parts[1]
+        return name, ''
+    unit = parts[2].strip('_')
+    if unit == COLUMNS[parts[1]].unit.lower():
+        return parts[1], ''
+    return parts[1], re.sub(r'.*?[\[(](.*)[\])]\s*', r'\1', cell.strip()).strip()
+
+
+def _converted(name: str, written: str, cell: str, source: str) -> tuple[Conversion, str]:
+    """Return the conversion of a unit in the header, and the note; RecordError where it is none."""
+    unit = parsed_unit(written)
+    where = f'{source}, row 1, column {cell!r}'
+    wanted = COLUMNS[name].unit
+    if unit is None:
+        raise RecordError(f'{where}: {written[:40]!r} is no unit that is known; {name} is in '
+                          f'{wanted}')
+    if unit.pint.check('[]'):
+        raise RecordError(f'{where}: is a share, of what a mapping has to say')
+    found = conversion(unit, name, where)
+    note = f'converted from {unit.written} to {wanted}'
+    if unit.gauge is False:
+        found = found._replace(offset=found.offset + gauge_offset(False))
+        note += ', absolute pressure: 101325 Pa taken off'
+    return found, note
 
 
 def _ignored(cell: str, place: int) -> Defect:
@@ -133,9 +170,15 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
     other columns of a bench, as the number of the row or a set point, may rise as evenly.
     """
     for cell in cells:
-        words = re.findall('[a-z]+', _normalised(cell))
-        if _TIME_IN_FIRST_PLACE & set(words[:1]) or any(map(_TIME_IN_ANY_PLACE.fullmatch, words)):
+        if names_the_time(cell):
             raise RecordError(
                 f'{source}, row 1: column {cell.strip()!r} looks like the time; call it time, in '
                 'seconds, or leave it out'
             )
+
+
+def names_the_time(name: str) -> bool:
+    """Tell whether a column has a name that means the time."""
+    words = re.findall('[a-z]+', _normalised(name))
+    return bool(_TIME_IN_FIRST_PLACE & set(words[:1])) or any(
+        map(_TIME_IN_ANY_PLACE.fullmatch, words))

@@ -15,16 +15,24 @@ from typing import BinaryIO
 import numpy as np
 
 from booster_ros.records.csv_header import Header
+from booster_ros.records.guarded import LONGEST_LINE, endless_line
 from booster_ros.records.record import Array, RecordError
 
 _BLOCK_BYTES = 4 << 20
 _MISSING = frozenset({'', 'nan', 'na', 'n/a', 'null', 'none'})
 
 
-def line_blocks(file: BinaryIO) -> Iterator[bytes]:
-    """Yield the rest of a file in blocks of whole lines that end in a line feed."""
+def line_blocks(file: BinaryIO, source: str) -> Iterator[bytes]:
+    """
+    Yield the rest of a file in blocks of whole lines that end in a line feed.
+
+    RecordError where a line is longer than those of a table.
+    """
     while block := file.read(_BLOCK_BYTES):
-        block += file.readline()
+        rest = file.readline(LONGEST_LINE + 1)
+        if len(rest) > LONGEST_LINE:
+            raise endless_line(source)
+        block += rest
         if b'\r' in block:
             block = block.replace(b'\r\n', b'\n').replace(b'\r', b'\n')
         yield block if block.endswith(b'\n') else block + b'\n'

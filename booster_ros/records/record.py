@@ -3,7 +3,7 @@
 """A record of a positioner: named columns in SI units, and what is wrong with them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -48,6 +48,9 @@ COLUMNS: Mapping[str, Column] = {
 COMMANDS = ('set_point', 'control_current')
 """What is commanded, and holds until the next command."""
 
+FURTHER = ('process_value', 'process_set_point')
+"""What a mapped record may have beside, in any unit: the model has no channel for it."""
+
 MEASURED = ('chamber_pressure', 'valve_position', 'back_pressure', 'mass_flow', 'supply_pressure')
 """Sensor signals of the positioner; `COMMANDS` change in steps."""
 
@@ -86,26 +89,39 @@ def _place(first_row: int, last_row: int) -> str:
 
 
 @dataclass(frozen=True)
+class Beside:
+    """A column for which the model has no channel: its values in SI units, and the unit."""
+
+    values: Array
+    unit: str
+
+
+@dataclass(frozen=True)
 class Record:
     """
     Columns of equal length, in SI units, gauge pressures, NaN where a value is missing.
 
     `time` (s) increases strictly where it is present; without it the rows are a quasi-static sweep.
     A command holds from its row to the next. `rows` says where in the file each row was.
+    `beside` has what the model has no channel for: `FURTHER`, and a set point of a pressure, Pa.
+    `held` has the columns that were stored by exception, and the least change of each that was
+    stored, in its unit.
     """
 
     columns: Mapping[str, Array]
     source: str
     defects: tuple[Defect, ...]
     rows: Array
+    beside: Mapping[str, Beside] = field(default_factory=dict)
+    held: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.rows)
 
     def __contains__(self, column: str) -> bool:
-        """Say whether the record has the column."""
-        return column in self.columns
+        """Say whether the record has the column, for the model or beside."""
+        return column in self.columns or column in self.beside
 
     def has_rows_of(self, other: 'Record') -> bool:
         """Tell whether two records, in two files, are one."""
@@ -114,8 +130,8 @@ class Record:
             for name, values in self.columns.items())
 
     def __getitem__(self, column: str) -> Array:
-        """Return the values of a column."""
-        return self.columns[column]
+        """Return the values of a column, for the model or beside."""
+        return self.beside[column].values if column in self.beside else self.columns[column]
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -131,4 +147,5 @@ class Record:
         """Return the rows from this time (s) on; KeyError for a record without time."""
         kept = slice(int(np.searchsorted(self.columns['time'], time)), None)
         columns = {name: values[kept] for name, values in self.columns.items()}
-        return replace(self, columns=columns, rows=self.rows[kept])
+        beside = {name: replace(one, values=one.values[kept]) for name, one in self.beside.items()}
+        return replace(self, columns=columns, rows=self.rows[kept], beside=beside)

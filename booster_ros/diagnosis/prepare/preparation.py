@@ -19,11 +19,13 @@ from booster_ros.diagnosis.prepare.timestamp_jitter import (
 from booster_ros.diagnosis.prepare.plausibility import (
     check_bench, check_clock, check_direction, check_drive, stands_still, without_stuck)
 from booster_ros.diagnosis.prepare.pressures import check_pressures
+from booster_ros.diagnosis.prepare.reach import out_of_reach
 from booster_ros.diagnosis.prepare.reversed_current import check_current
 from booster_ros.diagnosis.prepare.rows import (
     FEWEST_ROWS, Rows, aligned, between_samples)
 from booster_ros.diagnosis.prepare.sampled_commands import with_sampled_commands
 from booster_ros.diagnosis.prepare.start_state import start_state, with_start_of_converter
+from booster_ros.diagnosis.prepare.stored_by_exception import with_limits_of_storing
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import bridged, last_known
@@ -52,7 +54,9 @@ def prepare(
     seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
     rows = aligned(record, declared, dwell)
-    experiment = _experiment(rows, declared)
+    experiment = with_limits_of_storing(_experiment(rows, declared), record.held)
+    experiment = replace(
+        experiment, notes=(*out_of_reach(rows.columns, declared), *experiment.notes))
     if not rows.quasi_static:
         experiment = _without_gaps(experiment, rows, declared)
     experiment = _checked(experiment, declared, rows.source)

@@ -1,0 +1,82 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The lines with which docs/records.md begins, typed as they stand."""
+
+import os
+from pathlib import Path
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from ros_process import ROOT
+
+from booster_ros.diagnosis.prepare.plausibility import check_scales
+from booster_ros.model.parameters import from_values
+from booster_ros.parameters.file import read_parameter_file
+from booster_ros.programs import close_loop
+from booster_ros.programs.mapping_options import mapping_for
+from booster_ros.records import COLUMNS, FURTHER, read_mapping, read_record
+
+PAGE = (ROOT / 'docs' / 'records.md').read_text(encoding='utf-8')
+LINES = [line for block in re.findall(r'^```\n(.*?)^```', PAGE.split('## The mapping')[0],
+                                      flags=re.MULTILINE | re.DOTALL)
+         for line in block.splitlines()]
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory) -> Path:
+    """Return a folder with what the page uses, after all of its lines but the last."""
+    place = tmp_path_factory.mktemp('typed')
+    for name in ('docs/examples/valve_7.txt', 'test/samples/sample_chamber_leak.yaml'):
+        (place / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, place / name)
+    for line in LINES[:-1]:
+        command = re.sub(r'^python ', f'{shlex.quote(sys.executable)} ', line)
+        done = subprocess.run(
+            ['bash', '-c', command], cwd=place, capture_output=True, text=True, check=False,
+            timeout=300, env={**os.environ, 'PYTHONPATH': str(ROOT)})
+        assert done.returncode == 0, (line, done.stderr)
+    return place
+
+
+def test_the_file_that_comes_out_is_the_record_that_was_exported(folder):
+    assert [line.split()[0] for line in LINES] == ['python', 'sed', 'echo', 'python', 'python']
+    written = read_record(folder / 'valve_7.csv')
+    original = read_record(ROOT / 'test' / 'samples' / 'sample_chamber_leak_fit.csv')
+    assert len(written) == 3000
+    np.testing.assert_allclose(written['time'], original['time'][::5], atol=1e-6)
+    missing = np.isnan(written['chamber_pressure'])
+    assert np.flatnonzero(missing).tolist() == [700, 701, 702]
+    for name, digits in (('chamber_pressure', 0.6), ('valve_position', 1e-7),
+                         ('control_current', 1e-9)):
+        apart = np.abs(written[name] - original[name][::5])[~missing]
+        assert apart.max() < digits, name
+    assert '<svg' in (folder / 'valve_7.html').read_text()
+
+
+def test_the_last_line_reads_the_record_that_it_searches(folder, monkeypatch):
+    """The search itself takes minutes; what it is given is checked here."""
+    monkeypatch.chdir(folder)
+    words = shlex.split(LINES[-1])
+    assert words[:4] == ['python', '-m', 'booster_ros', 'close_loop']
+    options = close_loop._parser().parse_args(words[4:])
+    declared = from_values(read_parameter_file(options.params).physical)
+    record = read_record(options.record, mapping=mapping_for(options.record, options),
+                         travel=declared.actuator.travel)
+    check_scales(record.columns, declared, record.source)
+    assert {'time', 'control_current', 'chamber_pressure', 'valve_position'} == set(record.columns)
+
+
+def test_the_example_of_a_mapping_is_one(tmp_path):
+    text = re.search(r'^```yaml\n(.*?)^```', PAGE, flags=re.MULTILINE | re.DOTALL)[1]
+    path = tmp_path / 'm.yaml'
+    path.write_text(text, encoding='utf-8')
+    mapping = read_mapping(path)
+    assert set(mapping.columns) <= {*COLUMNS, *FURTHER}
+    named = set(re.findall(r'^\| `([a-z]+)', PAGE.split('## The mapping')[1].split('## Columns')[0],
+                           flags=re.MULTILINE))
+    assert {line.split(':')[0] for line in text.splitlines() if line[0] != ' '} <= named
