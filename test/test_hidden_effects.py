@@ -42,11 +42,11 @@ def errors_fall_to_the_noise(report, much=1.3):
 @pytest.mark.parametrize(('effect', 'size', 'seconds', 'variable'), [
     ('leak_opens_with_travel', 'large', 60.0, 'valve_position or chamber_pressure'),
     ('bulging_diaphragm', 'medium', 60.0, 'valve_position'),
-    'converter_creep', 'large', 90.0, 'control_current_change',
-    'slow_venting', 'medium', 90.0, 'back_pressure_error',
-    'spring_creep', 'medium', 150.0, 'valve_position_change',
-    'spool_holes', 'medium', 150.0, 'booster_force',
-    'relay_friction', 'medium', 90.0, 'booster_force_play',
+    ('converter_creep', 'large', 90.0, 'control_current_change'),
+    ('slow_venting', 'medium', 90.0, 'back_pressure_error'),
+    ('spring_creep', 'medium', 150.0, 'valve_position_change'),
+    ('spool_holes', 'medium', 150.0, 'booster_force'),
+    ('relay_friction', 'medium', 90.0, 'booster_force_play'),
 ])
 def test_what_has_no_name_is_unknown_in_its_place(
         effect, size, seconds, variable, tmp_path, monkeypatch):
@@ -91,9 +91,9 @@ def test_a_galled_stem_is_told_with_its_place(effect, place, width, tmp_path, mo
 
 @pytest.mark.parametrize(('pair', 'seconds'), [
     (('booster_dead_band', 'position_backlash'), 60.0),
-    ('tubing_restriction', 'ep_hysteresis'), 150.0,
-    ('supply_ripple', 'chamber_leak'), 150.0,
-    ('ep_hysteresis', 'spring_nonlinearity'), 150.0,
+    (('tubing_restriction', 'ep_hysteresis'), 150.0),
+    (('supply_ripple', 'chamber_leak'), 150.0),
+    (('ep_hysteresis', 'spring_nonlinearity'), 150.0),
 ])
 def test_two_effects_are_both_named(pair, seconds, tmp_path, monkeypatch):
     report = diagnosis_of(pair, seconds, tmp_path, monkeypatch)

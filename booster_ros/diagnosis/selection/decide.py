@@ -86,14 +86,17 @@ def why_not(found: Comparison, candidates: int) -> str:
     return 'the evidence for it is not enough'
 
 
-def standing(explained: float, reduced_chi2: float, at_bound: bool, stands_in_test: bool) -> str:
+def standing(explained: float, reduced_chi2: float, at_bound: bool, stands_in_test: bool,
+             beside: bool = False) -> str:
     """
     Return what may be relied on: 'confirmed', 'likely' or 'candidate'.
 
     Candidate: it stands at a bound of its range, or it leaves more than three times the noise and
     explains less than four fifths of what was missing. Likely: it explains that much, but the test
-    set is not met better with it, or much is left. Confirmed: neither.
+    set is not met better with it, or much is left, or `beside` others it explains no more than the
+    idealised law of one of them may leave. Confirmed: none of these.
     """
     if at_bound or (reduced_chi2 > LARGE and explained < MOST):
         return 'candidate'
-    return 'confirmed' if stands_in_test and reduced_chi2 < LARGE else 'likely'
+    little = beside and explained < 1.0 - NEARLY_ALL
+    return 'likely' if little or reduced_chi2 > LARGE or not stands_in_test else 'confirmed'
