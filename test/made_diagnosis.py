@@ -76,8 +76,8 @@ def diagnosis_of(columns, verdict, after=DECLARED, effects=(), unknown=None):
     runs = {'declared': experiment.predict(DECLARED), 'before': experiment.predict(DECLARED),
             'after': experiment.predict(after)}
 
-    def errors(*roles):
-        rows = rows_of(segments, roles, len(experiment.time))
+    def errors(role):
+        rows = rows_of(segments, role, len(experiment.time))
         return {
             name: ChannelError(UNITS[name], *(rmse(measured, runs[stage][name], rows)
                                               for stage in ('declared', 'before', 'after')),
@@ -97,7 +97,7 @@ def diagnosis_of(columns, verdict, after=DECLARED, effects=(), unknown=None):
                  0.67, -0.17),
     )
     return Diagnosis(
-        verdict, tuple(effects), unknown, errors('fit', 'select'), errors('test'), suspects,
+        verdict, tuple(effects), unknown, errors('train'), errors('test'), suspects,
         refitted, DECLARED, DECLARED, after, experiment, tuple(segments), runs,
         (*record.notes, *experiment.notes))
 
@@ -107,8 +107,8 @@ FRICTION = FoundEffect(
     {'actuator.coulomb_friction': Interval(500.0, 480.0, 520.0, 'N'),
      'actuator.stiction': Interval(150.0, 90.0, 210.0, 'N')},
     ('position_backlash',), 'slow triangle with dither',
-    {'misfit_without': 388.0, 'misfit_with': 1.02, 'score_fall': 4e5,
-     'score_fall_standard_error': 2e4})
+    {'misfit_without': 388.0, 'misfit_with': 1.02, 'log_evidence': 4e4, 'gain': 3.9e4,
+     'gain_standard_error': 2e3, 'dispersion': 1.3}, 'confirmed', 0.99)
 
 TERM = UnknownTerm(BENT.discrepancy)
 

@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records of a valve as it is declared, for tests of what is prepared from them."""
 
+from dataclasses import replace
+
 from made_diagnosis import DECLARED, record_of as cleaned
 import numpy as np
 
+from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 
@@ -46,3 +49,14 @@ def misses(experiment):
 def misfits(columns):
     """Return the mean square of what the true model misses, in squares of the noise found."""
     return {name: miss**2 for name, miss in misses(prepare(record_of(**columns), DECLARED)).items()}
+
+
+def flow_bench(gain, preload):
+    """Return a flow bench's experiment: flow over back pressure at two supply pressures."""
+    back = np.tile(np.linspace(60e3, 125e3, 27), 2)
+    columns = {'back_pressure': back, 'supply_pressure': np.repeat([150e3, 200e3], 27),
+               'chamber_pressure': np.zeros(54), 'mass_flow': np.linspace(0.0, 1e-3, 54)}
+    experiment = prepare(cleaned(columns), DECLARED)
+    plant = put(put(DECLARED, 'booster.opening_gain', gain), 'booster.intake_preload', preload)
+    flow = experiment.predict(plant)['mass_flow']
+    return replace(experiment, measured={'mass_flow': flow}, noise={'mass_flow': 1e-6})

@@ -3,29 +3,35 @@
 """Effects are tried where they can show, and left alone where a drive has cut them off."""
 
 from dataclasses import replace
+from functools import cache
 
 from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
 from made_effect import add_effect
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.pipeline import less_the_locked_part
 from booster_ros.diagnosis.data.blocks import rows_of, split
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit, matters
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, put
+from booster_ros.diagnosis.judging.test_set import without_test_set
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.selection.screening import with_effect
+from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.actuator import VESSEL
 from booster_ros.model.booster import NO_BOOSTER
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.gas import ISENTROPIC
 
-COLUMNS = timed_columns()
-ROWS = len(COLUMNS['time'])
-BACK = {'back_pressure': 244e3 + 5e3 * np.sin(COLUMNS['time'])}
-SUPPLY = {'supply_pressure': np.full(ROWS, 400e3)}
-FLOW = {'mass_flow': 1e-4 * np.cos(COLUMNS['time'])}
+TIME = np.arange(0.0, 60.0, 0.05)
+BACK = {'back_pressure': 244e3 + 5e3 * np.sin(TIME)}
+SUPPLY = {'supply_pressure': np.full(len(TIME), 400e3)}
+FLOW = {'mass_flow': 1e-4 * np.cos(TIME)}
+
+
+@cache
+def timed():
+    """Return the columns of a record with a current, which are simulated once."""
+    return timed_columns(seconds=60.0)
 
 
 def bench():
@@ -36,25 +42,26 @@ def bench():
 
 
 def only(*names):
-    return {name: COLUMNS[name] for name in names}
+    return {name: timed()[name] for name in names}
 
 
 RECORDS = {
-    'commanded': COLUMNS,
-    'commanded, supply known': COLUMNS | SUPPLY,
-    'pressure only': only('time', 'control_current', 'chamber_pressure'),
-    'from the back pressure': only('time', 'chamber_pressure', 'valve_position') | BACK | FLOW,
-    'signature in time': only('time', 'chamber_pressure', 'valve_position'),
-    'signature': swept_columns(),
-    'bench': bench(),
-    'isolated': only('time', 'chamber_pressure'),
+    'commanded': timed,
+    'commanded, supply known': lambda: timed() | SUPPLY,
+    'pressure only': lambda: only('time', 'control_current', 'chamber_pressure'),
+    'from the back pressure': lambda: only(
+        'time', 'chamber_pressure', 'valve_position') | BACK | FLOW,
+    'signature in time': lambda: only('time', 'chamber_pressure', 'valve_position'),
+    'signature': swept_columns,
+    'bench': bench,
+    'isolated': lambda: only('time', 'chamber_pressure'),
 }
 
 
 def prepared(kind):
     """Return a prepared record; what nothing drives is of a chamber that is declared shut."""
     declared = put(DECLARED, 'booster.opening_gain', 0.0) if kind == 'isolated' else DECLARED
-    return prepare(record_of(RECORDS[kind]), declared)
+    return prepare(record_of(RECORDS[kind]()), declared)
 
 
 @pytest.fixture(params=RECORDS)
@@ -203,25 +210,25 @@ def test_what_a_flow_bench_finds_has_no_tolerance():
 
 
 @pytest.mark.parametrize(('columns', 'free'), [
-    (COLUMNS, {'coulomb_friction', 'stiction', 'presliding_stiffness', 'presliding_damping',
-               'stribeck_velocity'}),
-    (swept_columns(), {'coulomb_friction', 'presliding_stiffness'}),
+    (timed, {'coulomb_friction', 'stiction', 'presliding_stiffness', 'presliding_damping',
+             'stribeck_velocity'}),
+    (swept_columns, {'coulomb_friction', 'presliding_stiffness'}),
 ], ids=['timed', 'swept'])
 def test_a_sweep_without_a_clock_says_nothing_of_what_acts_by_speeds(columns, free):
-    experiment = prepare(record_of(columns), DECLARED)
+    experiment = prepare(record_of(columns()), DECLARED)
     problem = Problem(experiment, np.ones(len(experiment.time), dtype=bool), DECLARED, ())
     rubs = with_effect(problem, EFFECTS['stem_friction'])
     assert {one.knob.parameter for one in rubs.freedoms} == {f'actuator.{name}' for name in free}
 
 
-@pytest.mark.parametrize(('role', 'tried'), [('test', False), ('select', True)])
-def test_what_the_locked_part_alone_shows_decides_nothing(role, tried):
+@pytest.mark.parametrize(('role', 'tried'), [('test', False), ('train', True)])
+def test_what_the_test_set_alone_shows_decides_nothing(role, tried):
     """A pressure that comes near the bench set there only would have its stem looked into."""
     columns = only('time', 'control_current', 'chamber_pressure')
     experiment = prepare(record_of(columns), DECLARED)
     segments = split(experiment.time, experiment.current)
-    pressure = np.full(ROWS, 50e3)
-    pressure[rows_of(segments, (role,), ROWS)] = 250e3
-    seen = less_the_locked_part(
+    pressure = np.full(len(TIME), 50e3)
+    pressure[rows_of(segments, role, len(TIME))] = 250e3
+    seen = without_test_set(
         replace(experiment, measured={'chamber_pressure': pressure}), segments)
     assert ('stem_friction' in applicable(seen, DECLARED)) == tried

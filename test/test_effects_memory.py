@@ -118,5 +118,5 @@ def test_a_fit_asks_what_was_of_late_only_where_a_term_remembers(values, told):
         {'chamber_pressure': 100.0}, {}, Initial(200e3))
     problem = Problem(experiment, np.ones(len(run['time']), dtype=bool), positioner(values), ())
     z = problem.start()
-    slopes = problem.jacobian(z, problem.residuals(z))[:problem.rows_counted(), -1]
+    slopes = problem.jacobian(z, problem.residuals(z))[:problem.observed, -1]
     assert bool(np.any(slopes)) is told

@@ -67,7 +67,7 @@ def test_a_page_says_what_was_dropped_how_it_was_split_and_what_scaling_hides(ma
     page = Page(text)
     for note in diagnosis.notes:
         assert note in page.text
-    for role in ('fit', 'select', 'test'):
+    for role in ('train', 'test'):
         rows = sum(s.last - s.first for s in diagnosis.segments if s.role == role)
         assert f'({rows} rows)' in page.text
     assert 'leaves every pressure and position unchanged' in page.text

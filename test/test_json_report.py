@@ -10,8 +10,8 @@ from made_diagnosis import MADE, nothing_found
 from made_report import FROM
 import pytest
 
-from booster_ros.diagnosis.result import ChannelError
-from booster_ros.report.json_report import json_text
+from booster_ros.diagnosis.result import ChannelError, TraceStep
+from booster_ros.report.json_report import VERSION, json_text
 
 
 @pytest.fixture(scope='module', params=MADE)
@@ -22,7 +22,9 @@ def diagnosis(request):
 
 def test_json_holds_what_others_rely_on(diagnosis):
     report = json.loads(json_text(diagnosis, FROM))
+    assert report['version'] == VERSION
     assert report['verdict'] == diagnosis.verdict
+    assert {one['role'] for one in report['segments']} == {'train', 'test'}
     for part in ('error', 'held_out', 'validation'):
         for name, error in getattr(diagnosis, part).items():
             assert report[part][name] == {
@@ -33,6 +35,10 @@ def test_json_holds_what_others_rely_on(diagnosis):
     for effect, found in zip(report['effects'], diagnosis.effects, strict=True):
         assert effect['name'] == found.name
         assert effect['location'] == found.location
+        assert effect['standing'] == found.standing
+        assert effect['explained'] == (
+            None if math.isnan(found.explained) else found.explained)
+        assert effect['evidence'] == found.evidence
         assert effect['confused_with'] == list(found.confused_with)
         expected = 'vary the valve position alone' if diagnosis.unknown else (
             found.separating_experiment)
@@ -57,3 +63,16 @@ def test_json_writes_null_for_what_is_no_number():
     assert error == {'unit': 'Pa', 'declared': 1.0, 'before': None, 'after': None, 'noise': 2.0,
                      'left_open': 3.0, 'unforeseen': 2.5,
                      'mostly': {'booster.max_area': 1e-6, 'supply.pressure': None}}
+
+
+def test_each_step_of_the_selection_is_written_with_its_figures():
+    step = TraceStep(('chamber_leak',), (), 1.02, 812.5, 790.25, 31.5, 1.25, 'accepted')
+    last = TraceStep(('chamber_leak', 'dead_time'), ('chamber_leak',), 1.01, -2.5, float('nan'),
+                     0.5, 1.25, 'the evidence for it is not enough')
+    report = json.loads(json_text(replace(nothing_found(), trace=(step, last)), FROM))
+    assert report['trace'][0] == {
+        'effects': ['chamber_leak'], 'against': [], 'reduced_chi2': 1.02, 'log_evidence': 812.5,
+        'gain': 790.25, 'gain_standard_error': 31.5, 'dispersion': 1.25, 'outcome': 'accepted'}
+    assert report['trace'][1]['gain'] is None
+    assert report['trace'][1]['against'] == ['chamber_leak']
+    assert json.loads(json_text(nothing_found(), FROM))['trace'] == []

@@ -2,18 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the table of a term has its knots: dense where it bends, ends that fade."""
 
-from made_search import P, RAMPS, RAMPS_TIME, searching, seen
+from made_task import P, RAMPS, RAMPS_TIME, seen, task_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.estimation.problem import Fit, Problem
+from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.parametrisation import Free
-from booster_ros.diagnosis.searching import nameless
+from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.knots import (
     looking_closer, where_it_bends, with_gentle_ends)
-from booster_ros.diagnosis.searching.nameless import best_terms
-from booster_ros.diagnosis.searching.selection import Tried
 from booster_ros.diagnosis.hypotheses.discrepancy import terms
+from booster_ros.diagnosis.selection import terms as best
+from booster_ros.diagnosis.selection.neighbours import refitted
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import (
     CHAMBER, KNOTS, STEM, VALVE_POSITION, Discrepancy, covered, interpolate)
@@ -48,7 +48,7 @@ def test_a_closer_look_begins_with_the_term_as_it_was_fitted():
     knob = Knob('discrepancy.values', 1e-6, -1.0, 1.0)
     free = tuple(Free(knob, 0.0, 1e-6, element=k) for k in range(1, KNOTS - 1))
     z = np.r_[np.array(fitted.values[1:-1]) / 1e-6, 0.7]  # and a start, which stays
-    fit = Fit((), z, P._replace(discrepancy=fitted), None, 0.0, np.zeros((0, 0)))
+    fit = Fit((), z, P._replace(discrepancy=fitted), None, 0.0, np.zeros(0), np.zeros((0, 0)))
     closer, begin = looking_closer(Problem(None, None, bare, free), fit)
     knots = closer.base.discrepancy.knots
     assert np.abs(np.subtract(knots, fitted.knots)).max() > 0.3e-3
@@ -62,17 +62,15 @@ def test_a_bumper_that_few_even_knots_meet_is_met_by_knots_that_gather(monkeypat
     pushed = -1500.0 * (np.maximum(BUMPER - 10e-3, 0.0) / 1e-3)**2
     plant = P._replace(discrepancy=Discrepancy(
         STEM, VALVE_POSITION, tuple(BUMPER), tuple(pushed)))
-    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, RAMPS_TIME), ())
-    refit = search.refit()
-    monkeypatch.setattr(nameless, 'terms', lambda *valve: [
+    task = task_of(seen(plant, None, 1.7e5, RAMPS[::2], 4, RAMPS_TIME[::2]))
+    root = refitted(task)
+    monkeypatch.setattr(best, 'terms', lambda *valve: [
         one for one in terms(*valve) if one.label == 'stem over valve_position'])
-
-    def best():
-        return best_terms(search, Tried(refit, refit, (refit,), {}))[0]
-
-    assert best().misfit < 1.2
-    monkeypatch.setattr(nameless, 'LOOKS', 0)
-    assert best().misfit > 2.0
+    (closer,) = best.best_terms(task, root)
+    monkeypatch.setattr(best, 'LOOKS', 0)
+    (even,) = best.best_terms(task, root)
+    assert closer.reduced_chi2 < 1.3
+    assert even.reduced_chi2 > 1.5 * closer.reduced_chi2
 
 
 @pytest.mark.parametrize(('inner', 'below', 'above'), [
@@ -87,7 +85,7 @@ def test_a_table_fades_no_more_steeply_than_it_runs(inner, below, above):
         (0.0, *1e-6 * inner, 0.0))
     p = P._replace(discrepancy=table)
     bare = p._replace(discrepancy=table._replace(values=(0.0,) * KNOTS))
-    fit = Fit((), np.zeros(0), p, None, 0.0, np.zeros((0, 0)))
+    fit = Fit((), np.zeros(0), p, None, 0.0, np.zeros(0), np.zeros((0, 0)))
     gentle = with_gentle_ends(Problem(None, None, bare, ()), fit).base.discrepancy
     ends = -1e-3 * below, 9e-3 + 1e-3 * above
     assert (gentle.knots[0], gentle.knots[-1]) == pytest.approx(ends)

@@ -15,14 +15,20 @@ MAY_IMPORT = {
     'records': {'model'},
     'parameters': {'model'},
     'control': {'model', 'records', 'parameters'},
-    'diagnosis/experiment': {'model', 'records'},
-    'diagnosis/fitting': {'model', 'diagnosis/experiment'},
-    'diagnosis/preparing': {'model', 'records', 'diagnosis/experiment', 'diagnosis/fitting'},
-    'diagnosis/searching': {'model', 'records', 'diagnosis/experiment', 'diagnosis/fitting'},
-    'diagnosis': {'model', 'records', 'diagnosis/experiment', 'diagnosis/fitting',
-                  'diagnosis/preparing', 'diagnosis/searching'},
+    'signals': set(),
+    'diagnosis/data': {'model', 'records', 'signals'},
+    'diagnosis/estimation': {'model', 'diagnosis/data'},
+    'diagnosis/hypotheses': {'model', 'records', 'diagnosis/data', 'diagnosis/estimation'},
+    'diagnosis/prepare': {'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation'},
+    'diagnosis/selection': {'model', 'diagnosis/data', 'diagnosis/estimation',
+                            'diagnosis/hypotheses'},
+    'diagnosis/judging': {
+        'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation',
+        'diagnosis/hypotheses', 'diagnosis/prepare', 'diagnosis/selection'},
+    'diagnosis': {'model', 'records', 'diagnosis/data', 'diagnosis/estimation',
+                  'diagnosis/hypotheses', 'diagnosis/judging', 'diagnosis/selection'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
-    'paper': {'model', 'records', 'diagnosis/fitting'},
+    'paper': {'model', 'records', 'diagnosis/estimation'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'parameters', 'control'},
     'campaign': set(),  # judges the diagnosis as a program, of whatever state
@@ -32,6 +38,12 @@ MAY_IMPORT = {
 """For each folder the others that it may import, with all that lies in them."""
 
 BESIDE_THE_RULE = {
+    # whole diagnoses are run again, and results are data that both have
+    'diagnosis/judging/change_point.py': 'diagnosis',
+    'diagnosis/judging/false_positive_rate.py': 'diagnosis',
+    'diagnosis/judging/prediction_uncertainty.py': 'diagnosis',
+    'diagnosis/judging/test_set.py': 'diagnosis',
+    'diagnosis/judging/validation.py': 'diagnosis',
     'parameters/table.py': 'control',  # a page of the docs, made of the tables of both nodes
     'benchmark/node_floor.py': 'nodes',  # a node as well, which has to start as the others do
 }

@@ -3,11 +3,10 @@
 """
 What close_loop finds in real measurements, and the page on it.
 
-Two of the records always run; with BOOSTER_ROS_ALL_SAMPLES in the environment, all do.
+Whole diagnoses belong to the campaign, but for the shortest record.
 """
 
 from dataclasses import replace
-import os
 import re
 
 import numpy as np
@@ -26,9 +25,6 @@ from booster_ros.measured.records import (
 )
 from booster_ros.paper.printed import FLOW_UNIT, table_1
 from booster_ros.report.names import channel_label
-
-SLOW = pytest.mark.skipif(
-    'BOOSTER_ROS_ALL_SAMPLES' not in os.environ, reason='minutes: BOOSTER_ROS_ALL_SAMPLES=1')
 
 
 def names(diagnosis):
@@ -63,6 +59,7 @@ def test_table_1_without_its_doubtful_series_lacks_preload_and_flow_force(withou
     assert share_left(without_100, 'mass_flow') < 0.25
 
 
+@pytest.mark.campaign
 def test_what_table_1_lacks_does_not_hang_on_its_last_digits(without_100):
     experiment, declared, _ = FLOW_BENCH_WITHOUT_100.experiment()
     rounded = replace(experiment, measured={
@@ -74,20 +71,21 @@ def test_what_table_1_lacks_does_not_hang_on_its_last_digits(without_100):
         share_left(without_100, 'mass_flow'), abs=0.03)
 
 
+@pytest.mark.campaign
 def test_table_1_lacks_a_preload():
     diagnosis = FLOW_BENCH.diagnosis()
     assert names(diagnosis) == {'booster_dead_band'}
     assert share_left(diagnosis, 'mass_flow') < 0.4
 
 
-@SLOW
+@pytest.mark.campaign
 def test_the_signature_lacks_friction():
     diagnosis = SIGNATURE.diagnosis()
     assert names(diagnosis) == {'stem_friction'}
     assert share_left(diagnosis, 'valve_position') < 0.25
 
 
-@SLOW
+@pytest.mark.campaign
 @pytest.mark.parametrize('record', CHAMBERS, ids=lambda record: record.name)
 def test_a_sealed_chamber_leaks(record):
     diagnosis = record.diagnosis()

@@ -6,10 +6,12 @@ import numpy as np
 from positioner_runs import PAPER_CURRENT, current_for, positioner, rows
 import pytest
 
-from booster_ros.model.memory import CENTRED
+from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.model.memory import CENTRED, Departure
 from booster_ros.model.simulation import Plant, simulate
 from booster_ros.model.start import rests_on_a_stop, start_of_readings
 from booster_ros.model.stream import Stream
+from booster_ros.model.system import PositionerParameters
 
 TIME = rows(24.0)
 RISE = np.select([TIME < 8.0, TIME < 16.0], [0.9 * PAPER_CURRENT, 0.97 * PAPER_CURRENT],
@@ -233,3 +235,35 @@ def test_a_supply_that_droops_starts_at_what_it_is_at_no_flow():
     time = np.array([0.0, 0.5, 2.0])
     run = simulate(positioner(values), time, np.zeros(3), compiled=False)
     assert run['supply_pressure'] == pytest.approx(410e3, abs=1.0)
+
+
+def test_warm_air_in_a_shut_chamber_loses_pressure_until_it_is_as_cold_as_its_wall():
+    shut = put(put(PositionerParameters(), 'booster.opening_gain', 0.0),
+               'actuator.thermal_resistance', 1.0)
+    time = np.arange(0.0, 60.0, 0.1)
+    still = np.zeros_like(time)
+    given = {'chamber_pressure': 1e5}
+
+    def pressure(parameters, warmth):
+        return simulate(parameters, time, still, given,
+                        departure=Departure(temperature=warmth))['chamber_pressure']
+
+    warm = pressure(shut, 20.0)
+    absolute = 101325.0 + warm
+    ambient = shut.supply.temperature
+    assert absolute[-1] / absolute[0] == pytest.approx(ambient / (ambient + 20.0), rel=1e-3)
+    assert np.ptp(pressure(shut, 0.0)) < 1.0
+    assert np.ptp(pressure(put(shut, 'actuator.thermal_resistance', 0.0), 20.0)) < 1.0
+
+
+def test_a_stem_whose_friction_fades_along_the_travel_keeps_moving_sensibly():
+    act = PositionerParameters().actuator._replace(coulomb_friction=18.3, friction_gradient=-25.4,
+                              presliding_stiffness=2.76e6, viscous_friction=150.0)
+    time = np.arange(0.0, 20.0, 0.08)
+    current = np.where(np.sin(time) > 0.0, 4.7e-4, 4.0e-4)
+    run = simulate(PositionerParameters()._replace(actuator=act), time, current,
+                   {'chamber_pressure': 2.76e5, 'valve_position': 0.01347})
+    position = run['valve_position']
+    assert np.all(np.isfinite(position))
+    assert -1e-4 < position.min() < position.max() < act.travel + 1e-4
+    assert np.ptp(position) > 0.002

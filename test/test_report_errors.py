@@ -157,7 +157,7 @@ def test_how_the_choice_does_on_the_other_record_is_said_under_the_headline():
 
 
 @pytest.mark.parametrize(('left', 'said'), [(3, True), (200, False)])
-def test_a_locked_part_of_few_values_is_said_to_be_that(left, said):
+def test_a_test_set_of_few_values_is_said_to_be_that(left, said):
     found = friction_found()
     first = next(one.first for one in found.segments if one.role == 'test')
     rows = np.arange(len(found.experiment.time)) < first + left

@@ -17,6 +17,7 @@ from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
 from booster_ros.report.names import positive_is
 from booster_ros.report.parameter_files import write_parameter_files
+from booster_ros.report.unknown_term import unknown_rivals
 from booster_ros.report.wording import verdict_sentences, verdict_title
 
 
@@ -161,3 +162,13 @@ def test_a_term_that_explains_too_little_is_said_to_do_so():
     assert 'That the stem is the place is a guess.' in said
     assert 'comes nearest, but explains too little' in html_page(diagnosis, FROM)
     assert json.loads(json_text(diagnosis, FROM))['refused']['error'] is None
+
+
+def test_terms_that_do_as_well_are_said():
+    found = unknown_found()
+    assert unknown_rivals(found) == []
+    effect = replace(found.effects[0], confused_with=('supply over time',))
+    rivalled = replace(found, effects=(effect,))
+    said = 'A term in supply over time explains this record as well.'
+    assert said in verdict_sentences(rivalled)
+    assert said in html_page(rivalled, FROM)

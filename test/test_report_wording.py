@@ -64,7 +64,7 @@ def test_the_headline_says_so_where_far_more_than_noise_is_left_that_nothing_lea
         assert verdict_title(left_open).endswith(', and more than that') == more
 
 
-def test_a_locked_part_missed_by_what_the_record_leaves_open_calls_for_nothing():
+def test_a_test_set_missed_by_what_the_record_leaves_open_calls_for_nothing():
     diagnosis = off_by(nothing_found(), 'held_out', 3.0, 3.0)
     diagnosis = replace(diagnosis, held_out={
         name: replace(error, left_open=2.0 * error.noise, unforeseen=1.1 * error.noise)
@@ -81,7 +81,7 @@ def test_a_locked_part_missed_by_what_the_record_leaves_open_calls_for_nothing()
     assert 'a part may come of parameters that are hardly told' in text
 
 
-def test_what_only_the_locked_part_shows_is_not_said_to_have_been_sought():
+def test_what_only_the_test_set_shows_is_not_said_to_have_been_sought():
     """Data that were fitted to the noise call for nothing, so nothing was tried on the others."""
     diagnosis = nothing_found()
     diagnosis = replace(diagnosis, held_out={
@@ -92,7 +92,7 @@ def test_what_only_the_locked_part_shows_is_not_said_to_have_been_sought():
     assert 'no smooth term' not in text
 
 
-def test_a_locked_part_that_is_met_is_not_all_of_the_record():
+def test_a_test_set_that_is_met_is_not_all_of_the_record():
     found = off_by(nothing_found(), 'error', 5.0, 5.0)
     assert verdict_title(found) == 'Nothing to add'
     text = ' '.join(verdict_sentences(found))
@@ -114,7 +114,7 @@ def test_loud_noise_under_which_nothing_was_found_is_said_to_hide_what_is_smalle
 
 
 @pytest.mark.parametrize('decided', [True, False])
-def test_a_locked_part_that_had_a_say_is_not_said_to_be_unseen(decided):
+def test_a_test_set_that_had_a_say_is_not_said_to_be_unseen(decided):
     diagnosis = replace(friction_found(), decided=decided)
     page = Page(html_page(diagnosis, FROM))
     assert ('had a say in the verdict' in page.text) is decided

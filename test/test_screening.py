@@ -5,19 +5,20 @@
 from dataclasses import replace
 
 from made_effect import add_effect
-from made_search import P, STEPS, TIME, everywhere, searching, seen, steps_seen
+from made_task import P, STEPS, TIME, everywhere, problem_of, seen, steps_seen, task_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.estimation.fit import fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.selection.screening import (
-    promise, reference_at, references, screen, strong_frequencies)
+    promise, reference_at, references, screen, strong_frequencies, with_chord_steps)
 from booster_ros.model.catalogue import Knob
 
 
 def test_frequencies_are_sought_in_the_fitted_rows_alone():
-    problem = searching(seen(P), ()).problem()
+    problem = task_of(seen(P)).problem()
     time = problem.experiment.time
     for rows, is_there in ((problem.rows, True), (~problem.rows, False)):
         pressure = problem.experiment.measured['chamber_pressure'].copy()
@@ -45,10 +46,10 @@ def test_a_ripple_far_below_the_typical_size_is_screened_as_what_it_is(bins):
     problem = Problem(experiment, everywhere(experiment), P, ())
     found = strong_frequencies(problem, problem.start())
     assert np.min(np.abs(found - frequency)) < 0.2 / TIME[-1]
-    around = references(problem, problem.at(problem.start()))
-    quick = screen(problem, around, 'supply_ripple', found)
+    around = references(problem, fit_at(problem, problem.start()))
+    quick = with_chord_steps(problem, screen(problem, around, 'supply_ripple', found))
     without = float(np.sum(problem.residuals(problem.start())**2))
-    noise = problem.rows_counted()
+    noise = problem.observed
     assert quick.cost - noise < 0.15 * (without - noise)
     sizes = dict(zip((f.knob.parameter for f in quick.problem.freedoms), quick.starts[0]))
     free = {f.knob.parameter: f for f in quick.problem.freedoms}
@@ -71,8 +72,8 @@ def test_the_frequency_of_a_ripple_is_that_of_the_clock_where_thinned_rows_are_u
 
 def promised(plant, effect, frequencies):
     """Return the parameters at which an effect promises most for the record of a plant."""
-    problem = searching(seen(plant), ()).problem()
-    reference = reference_at(problem, problem.at(problem.start()))
+    problem = task_of(seen(plant)).problem()
+    reference = reference_at(problem, fit_at(problem, problem.start()))
     found = promise(problem, reference, effect, frequencies)
     return found.problem.parameters(found.start)
 
@@ -107,14 +108,13 @@ def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is
     plant = put(P, 'ep_converter.gain', 1.012 * P.ep_converter.gain)
     for name, value in {'restriction_area': 2.8e-6, 'laminar_share': 1.0}.items():
         plant = put(plant, f'tubing.{name}', value)
-    search = searching(steps_seen(plant, STEPS, 1.2e5, seed=5), ('tubing_restriction',))
-    refit = search.refit()
-    places = references(refit.problem, refit.fit)
-    before, after = (screen(refit.problem, some, 'tubing_restriction', np.array([0.5])).cost
-                     for some in (places[:2], places))
-    rows = refit.problem.rows_counted()
-    assert before > 2.0 * rows
-    assert after < 1.3 * rows
+    problem = problem_of(steps_seen(plant, STEPS[:8], 1.2e5, seed=5))
+    places = references(problem, fit(problem))
+    before, after = (with_chord_steps(problem, screen(
+        problem, some, 'tubing_restriction', np.array([0.5]))).cost
+        for some in (places[:2], places))
+    assert after < 1.3 * problem.observed
+    assert after <= before
 
 
 def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
@@ -125,10 +125,23 @@ def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
             'actuator.dead_volume': 1.06 * P.actuator.dead_volume,
             'tubing.restriction_area': 5.8e-6, 'tubing.outlet_volume': 1e-5}.items():
         plant = put(plant, name, value)
-    search = searching(steps_seen(plant, STEPS, 1.7e5, seed=3), ('tubing_restriction',))
-    beside = search.joint(search.refit().problem, ('ep_hysteresis',))
-    fit = beside.fit(beside.start(), evaluations=30)
-    seen_as = screen(beside, references(beside, fit), 'tubing_restriction', np.array([0.5]))
-    rows = beside.rows_counted()
-    assert fit.cost > 1.3 * rows
-    assert seen_as.cost < 1.03 * rows
+    beside = problem_of(steps_seen(plant, STEPS[:8], 1.7e5, seed=3), 'ep_hysteresis')
+    found = fit(beside, evaluations=30)
+    seen_as = with_chord_steps(beside, screen(
+        beside, references(beside, found), 'tubing_restriction', np.array([0.5])))
+    assert found.cost > 1.2 * beside.observed
+    assert seen_as.cost < 1.05 * beside.observed
+
+
+def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_reckoned():
+    """The declared parameters have to move far before this exhaust is recognised."""
+    problem = problem_of(steps_seen(
+        put(P, 'booster.exhaust_gain_ratio', 0.6), STEPS[:8], 1.7e5, seed=7))
+    refit = fit(problem)
+    found = with_chord_steps(problem, screen(
+        problem, references(problem, refit), 'exhaust_asymmetry', np.array([0.5])))
+    assert list(found.costs) == sorted(found.costs)
+    reached = min(float(np.sum(found.problem.residuals(z)**2)) for z in found.starts)
+    assert reached < 0.5 * refit.cost
+    low, high = found.problem.bounds()
+    assert all((low <= z).all() and (z <= high).all() for z in found.starts)

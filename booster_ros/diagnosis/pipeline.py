@@ -200,8 +200,7 @@ def _found(task: Task, selection: Selection, chosen: Model, after: FinalFit,
         {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
          'log_evidence': said.log_evidence, 'gain': said.gain,
          'gain_standard_error': said.standard_error, 'dispersion': said.dispersion},
-        standing(explained(chosen, selection.root), chosen.reduced_chi2, cornered,
-                 stands(held_out)), share)
+        standing(share, chosen.reduced_chi2, cornered, stands(held_out)), share)
 
 
 def _without(selection: Selection, chosen: Model, name: str) -> Model:

@@ -30,7 +30,7 @@ class Held(NamedTuple):
 
 
 def intervals(drawn: Drawn) -> list[Held]:
-    """Return for each parameter that is known whether its interval in the last fit holds it."""
+    """Return for each parameter that is known whether its interval in the final fit holds it."""
     return judged(drawn, known_intervals(drawn))
 
 
@@ -45,17 +45,15 @@ def judged(drawn: Drawn, known: list[tuple[Free, Interval]]) -> list[Held]:
 
 
 def known_intervals(drawn: Drawn) -> list[tuple[Free, Interval]]:
-    """Return the parameters that are known, with their intervals in the last fit."""
+    """Return the parameters that are known, with their intervals in the final fit."""
     declared = declared_parameters()
     experiment = prepare(drawn.record(), declared)
     segments = split(experiment.time, experiment.current)
     names = EFFECTS[drawn.effect].names[:1] if drawn.effect else ()
     task = Task(experiment, segments, declared, free_to_refit(declared, experiment), names)
-    model = refitted(task)
-    if names:
-        model = neighbours(task, model, names).near[0]
-    last = final_fit(task.on_every_row(model.problem), model.fit.z,
-                     training_blocks(segments, len(experiment.time)))
+    root = refitted(task)
+    model = (neighbours(task, root, names).near or [root])[0] if names else root
+    last = final_fit(model.problem, model.fit.z, training_blocks(segments, len(experiment.time)))
     truth = drawn.truth()
     return [(free, interval_of(last.problem, last.draws, last.fit, j))
             for j, free in enumerate(last.problem.freedoms)

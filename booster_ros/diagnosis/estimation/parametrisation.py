@@ -56,17 +56,18 @@ class Free:
         declared = np.isfinite(self.sigma) and not self.knob.parameter.startswith('discrepancy.')
         return bool(declared) or self.knob.parameter in BENCH
 
-    @property
-    def prior_deviation(self) -> float:
+    def prior_deviation(self, z: float) -> float:
         """
-        Standard deviation in z before anything is seen, for the evidence of a model.
+        Return the standard deviation of z before anything is seen, for the evidence at z.
 
-        Where nothing is known, the value is anywhere in its range. A Gaussian with the density of
-        that has the standard deviation (high - low) / sqrt(2 pi).
+        A size of an effect is of the order of its typical size, or larger with the tail of a Cauchy
+        distribution; a shape is so about its typical value, and neither is beyond its range. The
+        Gaussian that has the density of that at z has this standard deviation.
         """
         if np.isfinite(self.sigma):
             return self.sigma
-        return (self.high - self.low) / float(np.sqrt(2.0 * np.pi))
+        away = z - self.without_size
+        return float(min(np.pi * (1.0 + away**2), self.high - self.low) / np.sqrt(2.0 * np.pi))
 
     @property
     def spread(self) -> float | None:

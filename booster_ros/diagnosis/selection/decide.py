@@ -51,8 +51,8 @@ class Comparison:
     """
     What a record says of one model against another.
 
-    The differences of log evidence and of log likelihood, + where the first is better, the standard
-    error of the latter over blocks, the latter without the block that gains most, and c.
+    The differences of log evidence and of log posterior density, + where the first is better, the
+    standard error of the latter over blocks, the latter without the block that gains most, and c.
     """
 
     log_evidence: float
@@ -66,9 +66,9 @@ def compare(one: Score, other: Score, c: float) -> Comparison:
     """Return what the record says of `one` against `other`, both scored on the same blocks."""
     gains = 0.5 * (other.costs - one.costs) / c
     error = float(np.std(gains, ddof=1) * np.sqrt(len(gains))) if len(gains) > 1 else 0.0
+    gain = float(gains.sum()) + 0.5 * (other.prior - one.prior)
     return Comparison(
-        one.log_evidence(c) - other.log_evidence(c), float(gains.sum()), error,
-        float(gains.sum() - gains.max()), c)
+        one.log_evidence(c) - other.log_evidence(c), gain, error, gain - float(gains.max()), c)
 
 
 def accepted(found: Comparison, candidates: int) -> bool:

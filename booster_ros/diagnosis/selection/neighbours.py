@@ -159,8 +159,9 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
     ended = []
     for name, end, joint in steps[:FINISHED]:
         if end.cost < FAR * steps[0][1].cost:
-            ended.append(task.scored((*parent.effects, name), joint, fit(
-                joint, [end.z, nominal(joint, end.z)])))
+            # what had imitated the effect may have gone far: the best begin as given as well
+            starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
+            ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))
         tick()
     # slips are slow to simulate, and nothing calls for them where another effect leaves noise
     if not any(one.reduced_chi2 < NOISE for one in ended):

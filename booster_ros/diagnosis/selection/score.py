@@ -69,7 +69,7 @@ def score_of(problem: Problem, fit: Fit, block_of_row: Array) -> Score:
     low, high = problem.bounds()
     inside = (fit.z - low > 1e-9) & (high - fit.z > 1e-9)
     jacobian = jacobian[:, inside]
-    deviation = np.array([free.prior_deviation for free in problem.freedoms]
+    deviation = np.array([free.prior_deviation(one) for free, one in zip(problem.freedoms, fit.z)]
                          + [*problem.sigma[len(problem.freedoms):]])[inside]
     label = np.concatenate([block_of_row[rows] for rows in problem.first_rows])
     costs = np.bincount(label, residuals**2)

@@ -107,8 +107,8 @@ def select(task: Task, tell: Progress) -> Selection:
     tell('refitting the declared parameters', 0.02)
     root = refitted(task)
     trace = _Trace(root)
-    task, begin = _upstream_first(task, root, trace, tell)
-    chosen = _added(task, begin, trace, tell)
+    task, parent = _upstream_first(task, root, trace, tell)
+    chosen = _added(task, root, parent, trace, tell)
     # beside friction, what lies above the stem was judged where slips do not blur it
     if len(chosen.effects) > 1 and chosen.problem.observation is not WINDOWS:
         tell('exchanging effects', 0.65)
@@ -124,11 +124,10 @@ def select(task: Task, tell: Progress) -> Selection:
 
 def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> tuple[Task, Model]:
     """
-    Return the task and the model to begin with, by what the upstream subsystem lacks.
+    Return the task and the model to go on from, by what the upstream subsystem lacks.
 
     If it lacks nothing, the task is that of the stem and the sensors alone. If it calls for an
-    effect, the whole model has that effect where it is accepted there, too: whatever the stem
-    lacks does not blur it.
+    effect, the model to go on from has it: whatever the stem lacks does not blur it there.
     """
     above = None if leaves_noise(root) else upstream_task(task)
     if above is None:
@@ -144,19 +143,18 @@ def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> t
         above, one, parent, found.near, len(above.names)), len(above.names))]
     whole = [refitted(task, one.effects, root.fit, one.fit) for one in likely]
     trace.models += whole
-    best = _best(task, whole)
-    if best is None or not accepted(trace.compared(
-            task, best, root, whole, len(task.names)), len(task.names)):
-        return task, root
-    return task, best
+    return task, _best(task, whole) or root
 
 
-def _added(task: Task, begin: Model, trace: _Trace, tell: Progress) -> Model:
-    """Return the model with effects added, one by one, as long as that is called for."""
-    chosen = parent = begin
-    for level in range(len(begin.effects), MOST_EFFECTS):
+def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress) -> Model:
+    """Return the model with effects added to a parent, one by one, while that is called for."""
+    chosen = root
+    if parent is not root and accepted(trace.compared(
+            task, parent, root, [], len(task.names)), len(task.names)):
+        chosen = parent
+    for level in range(len(parent.effects), MOST_EFFECTS):
         # a law is never quite the valve's: what it leaves within the noise is no second effect
-        if parent.effects and (leaves_noise(parent) or _idealised(parent, trace.root)):
+        if parent.effects and (leaves_noise(parent) or _idealised(parent, root)):
             break
         done = itertools.count(1)
 

@@ -5,21 +5,19 @@
 from dataclasses import replace
 
 from made_diagnosis import DECLARED, record_of, swept_columns, timed_columns
-from made_search import P, RAMPS, RAMPS_TIME, STEPS, TIME, searching, seen, steps_seen, too_quiet
+from made_task import P, RAMPS, RAMPS_TIME, STEPS, TIME, seen, steps_seen, task_of, too_quiet
 import numpy as np
 import pytest
 
 from booster_ros.diagnosis.data.experiment import Experiment
-from booster_ros.diagnosis.data.blocks import USED
+from booster_ros.diagnosis.estimation.fit import fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.searching import nameless
 from booster_ros.diagnosis.hypotheses.regressor import followed
-from booster_ros.diagnosis.searching.nameless import TOO_LITTLE, best_terms, compete
-from booster_ros.diagnosis.searching.selection import Tried
-from booster_ros.diagnosis.searching.teaching import taught
-from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, terms, with_term
+from booster_ros.diagnosis.hypotheses.discrepancy import terms, with_term
+from booster_ros.diagnosis.selection import terms as best
+from booster_ros.diagnosis.selection.neighbours import refitted
 from booster_ros.model.discrepancy import (
     BACK_PRESSURE_ERROR, BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, EP_CONVERTER_LAG,
     FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME, VARIABLES, Discrepancy, covered, forgets, remembers)
@@ -37,7 +35,7 @@ def table_of(experiment: Experiment, label: str, rows=None, memory: float = 12.0
     seen_rows = np.ones(len(experiment.time), dtype=bool) if rows is None else rows
     problem = Problem(experiment, seen_rows, P, tuple(declared_freedom(P, experiment)))
     one = next(t for t in terms(experiment.channels) if t.label == label)
-    return with_term(problem, problem.at(problem.start()),
+    return with_term(problem, fit_at(problem, problem.start()),
                      replace(one, memory=memory if 'change' in label else one.memory),
                      seen_rows).base.discrepancy
 
@@ -50,6 +48,12 @@ def wider(gaps=()) -> Experiment:
     return experiment
 
 
+def as_given(task):
+    """Return the declared model as it is given, not fitted."""
+    problem = task.problem()
+    return task.scored((), problem, fit_at(problem, problem.start()))
+
+
 def test_a_missing_value_costs_no_range_of_a_change():
     whole, broken = (table_of(wider(gaps), CHANGING) for gaps in ((), (700, *range(1400, 1420))))
     assert covered(broken) == pytest.approx(covered(whole), rel=0.02)
@@ -57,7 +61,7 @@ def test_a_missing_value_costs_no_range_of_a_change():
     del simulated.measured['valve_position']
     problem = Problem(simulated, np.ones(len(TIME), dtype=bool), P, ())
     one = next(t for t in terms(wider().channels) if t.label == CHANGING)
-    narrow = with_term(problem, problem.at(problem.start()), replace(one, memory=12.0),
+    narrow = with_term(problem, fit_at(problem, problem.start()), replace(one, memory=12.0),
                        np.ones(len(TIME), dtype=bool)).base.discrepancy
     assert np.ptp(covered(narrow)) < 0.9 * np.ptp(covered(whole))
 
@@ -97,19 +101,18 @@ def test_what_remembers_comes_last_and_changes_are_what_forgets():
 @pytest.mark.parametrize('swept', [False, True])
 def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
     experiment = prepare(record_of(swept_columns() if swept else timed_columns()), DECLARED)
-    search = searching(experiment, ())
     tried_labels = []
-    reach = nameless.linear_reach
+    reach = best.linear_reach
 
     def noted(problem, reference, one, rows):
         tried_labels.append(one.label)
         return reach(problem, reference, one, rows)
 
-    monkeypatch.setattr(nameless, 'linear_reach', noted)
-    monkeypatch.setattr(nameless, 'LIKELY_TERMS', 0)
-    refit = search.refit()
-    missing = replace(refit, by_segment=9.0 * refit.by_segment)
-    assert nameless.best_terms(search, Tried(missing, missing, (missing,), {})) == []
+    monkeypatch.setattr(best, 'linear_reach', noted)
+    monkeypatch.setattr(best, 'LIKELY_TERMS', 0)
+    monkeypatch.setattr(best, 'WITHIN_REACH', 0.0)
+    task = task_of(experiment)
+    assert best.best_terms(task, as_given(task)) == []
     assert 'stem over valve_position' in tried_labels
     assert any(label.endswith('_change') for label in tried_labels) is not swept
     assert ('ep_converter_lag over back_pressure_error' in tried_labels) is not swept
@@ -117,20 +120,22 @@ def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
 
 @pytest.mark.parametrize('measured', [False, True])
 def test_what_lies_upstream_of_a_measured_drive_is_no_place(measured, monkeypatch):
-    experiment = too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5), share=0.5)
+    experiment = too_quiet(steps_seen(P, STEPS[:4], 1.7e5, seed=5), share=0.5)
     if measured:
         run = simulate(P, experiment.time, experiment.current, {'chamber_pressure': 1.7e5})
         experiment = replace(experiment, pinned={'back_pressure': run['back_pressure']})
-    monkeypatch.setattr(nameless, 'LIKELY_TERMS', 100)
-    search = searching(experiment, ())
-    places = {label.split(' over ')[0]
-              for label, *_ in nameless._likely(search, search.refit(), foreseen=False)}
+    monkeypatch.setattr(best, 'WITHIN_REACH', np.inf)
+    monkeypatch.setattr(best, 'FIRST_STEPS', 1)
+    task = task_of(experiment)
+    problem = task.problem()
+    begun = best._begun(problem, fit_at(problem, problem.start()), terms(experiment.channels))
+    places = {label.split(' over ')[0] for label in begun}
     assert 'stem' in places
     assert ('ep_converter' in places) is not measured
     assert ('ep_converter_lag' in places) is not measured
 
 
-@pytest.mark.parametrize(('every', 'past'), [(1, 0.0), (1, 0.5), (100, 0.5), (500, 0.0)])
+@pytest.mark.parametrize(('every', 'past'), [(1, 0.0), (1, 0.5), (50, 0.5), (250, 0.0)])
 def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, past):
     """The current stands from one row to the next, and what was may be another at the start."""
     time = TIME[::every]
@@ -158,75 +163,78 @@ def test_on_a_ramp_the_way_to_go_is_that_of_the_slower_converter(current):
     experiment = seen(plant, None, 1.9e5, current, 3, RAMPS_TIME)
     rows = np.ones(len(RAMPS_TIME), dtype=bool)
     problem = Problem(experiment, rows, P, tuple(declared_freedom(P, experiment)))
-    refit = problem.fit(evaluations=15)
+    refit = fit(problem)
     one = next(t for t in terms(experiment.channels) if t.location == EP_CONVERTER_LAG)
     joint = with_term(problem, refit, one, rows)
     run = simulate(plant, RAMPS_TIME, current, {'chamber_pressure': 1.9e5})
     behind = followed(plant, RAMPS_TIME, run.columns)
     low, high = covered(joint.base.discrepancy)
     assert low < behind.min() < behind.max() < high
-    found = joint.fit(joint.start(), evaluations=20)
-    assert refit.cost > 20.0 * joint.rows_counted()
-    assert found.cost < 1.1 * joint.rows_counted()
-
-
-def test_what_a_table_holds_makes_no_valve_implausible():
-    """Of a term that leaves noise only the declared parameters may be far off."""
-    wave = tuple(np.r_[0.0, 400.0 * np.sin(np.linspace(0.3, 9.0, 10)), 0.0])
-    plant = P._replace(discrepancy=Discrepancy(
-        STEM, VARIABLES.index('valve_position'), tuple(np.linspace(-2e-3, 18e-3, KNOTS)), wave))
-    search = searching(seen(plant), ())
-    refit = search.refit()
-    one = next(t for t in terms(search.experiment.channels)
-               if t.label == 'stem over valve_position')
-    used, _ = search.rows_and_experiment(USED, search.thinning)
-    joint = with_term(refit.problem, refit.problem.at(refit.fit.z), one, used)
-    candidate = search.rate((UNNAMED + one.label,), joint, joint.fit(evaluations=20))
-    held = [z / free.sigma for z, free in zip(candidate.fit.z, candidate.fit.freedoms)
-            if free.knob.parameter == 'discrepancy.values']
-    assert np.sum(np.square(held)) > 12.0
-    assert taught(search, candidate) is not None
+    found = fit(joint, [joint.start()], 20)
+    assert refit.cost > 20.0 * joint.observed
+    assert found.cost < 1.1 * joint.observed
 
 
 def test_a_transmitter_that_has_reached_its_end_is_a_sensor_that_lacks_something(monkeypatch):
     """Beyond its end the pressure is not in the record, but its term has to go there."""
-    experiment = seen(P, None, 1.7e5, RAMPS, 4, RAMPS_TIME)
-    run = simulate(P, RAMPS_TIME, RAMPS, {'chamber_pressure': 1.7e5})
+    time, current = RAMPS_TIME[::2], RAMPS[::2]
+    experiment = seen(P, None, 1.7e5, current, 4, time)
+    run = simulate(P, time, current, {'chamber_pressure': 1.7e5})
     experiment.measured['chamber_pressure'] = np.minimum(run['chamber_pressure'], 235e3) + (
-        150.0 * np.random.default_rng(3).standard_normal(len(RAMPS)))
-    search = searching(experiment, ())
-    refit = search.refit()
+        150.0 * np.random.default_rng(3).standard_normal(len(time)))
+    task = task_of(experiment)
+    root = refitted(task)
     label = 'pressure_sensor over chamber_pressure'
-    monkeypatch.setattr(nameless, 'terms', lambda *valve: [
+    monkeypatch.setattr(best, 'terms', lambda *valve: [
         one for one in terms(*valve) if one.label == label])
-    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
-    assert best.effects == (UNNAMED + label,)
-    assert best.misfit < 1.3 < 0.1 * refit.misfit
-    assert covered(best.fit.parameters.discrepancy)[1] > 250e3
+    (found,) = best.best_terms(task, root)
+    assert found.effects == ('unknown: ' + label,)
+    assert found.reduced_chi2 < 1.5 < 0.1 * root.reduced_chi2
+    assert covered(found.fit.parameters.discrepancy)[1] > 250e3
 
 
-def test_where_no_term_leaves_less_than_the_refit_none_is_a_candidate():
-    search = searching(too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5)), ())
-    refit = search.refit()
-    tried = Tried(refit, refit, (refit,), {})
-    assert compete(tried)
-    assert best_terms(search, tried) == []
-
-
-def test_where_much_is_left_the_term_that_comes_nearest_tells_the_place():
-    search = searching(too_quiet(steps_seen(P, STEPS, 1.7e5, seed=5), share=0.5), ())
-    refit = search.refit()
-    nearest, = best_terms(search, Tried(refit, refit, (refit,), {}))
-    assert nearest.fault == TOO_LITTLE
-
-
+@pytest.mark.campaign
 def test_a_stem_that_shifts_in_the_course_of_time_lacks_something_in_the_stem():
     """A shift of the reading explains the position as well, but not the air that the stem moves."""
     wave = 200.0 * np.sin(np.linspace(0.0, 9.0, KNOTS))
     plant = P._replace(discrepancy=Discrepancy(
         STEM, OVER_TIME, tuple(np.linspace(-5.0, 125.0, KNOTS)), tuple(wave)))
-    search = searching(seen(plant, None, 1.7e5, RAMPS, 4, RAMPS_TIME), ())
-    refit = search.refit()
-    best = best_terms(search, Tried(refit, refit, (refit,), {}))[0]
-    assert best.effects == ('unknown: stem over time',)
-    assert best.misfit < 1.5 < 0.1 * refit.misfit
+    task = task_of(seen(plant, None, 1.7e5, RAMPS[::2], 4, RAMPS_TIME[::2]))
+    root = refitted(task)
+    found = best.best_terms(task, root)
+    nearest = min(found, key=lambda one: one.reduced_chi2)
+    assert nearest.effects == ('unknown: stem over time',)
+    assert nearest.reduced_chi2 < 1.5 < 0.1 * root.reduced_chi2
+
+
+def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():
+    experiment = prepare(record_of(timed_columns()), DECLARED)
+    rows = experiment.time < 0.6 * experiment.time[-1]
+    free = tuple(declared_freedom(DECLARED, experiment))
+    problem = Problem(experiment, rows, DECLARED, free)
+    over_time = next(one for one in terms(experiment.channels) if one.variable == OVER_TIME)
+    joint = with_term(problem, fit_at(problem, problem.start()), over_time, rows)
+    table = joint.base.discrepancy
+    spacing = table.knots[-1] - table.knots[-2]
+    assert table.knots[-1] <= experiment.time[rows][-1] + spacing
+    assert table.knots[0] <= experiment.time[0]
+
+
+def test_a_table_covers_what_was_measured_and_not_where_a_model_without_it_stays():
+    """Also between the fitted rows: beyond its range it is zero, and what follows would suffer."""
+    columns = timed_columns()
+    columns['valve_position'] *= 1.5
+    experiment = prepare(record_of(columns), DECLARED)
+    measured = experiment.measured['valve_position']
+    rows = measured < np.median(measured)
+    free = tuple(declared_freedom(DECLARED, experiment))
+    problem = Problem(experiment, rows, DECLARED, free)
+    over_travel = next(one for one in terms(experiment.channels)
+                       if one.label == 'chamber over valve_position')
+    joint = with_term(
+        problem, fit_at(problem, problem.start()), over_travel, np.ones(len(rows), dtype=bool))
+    table = joint.base.discrepancy
+    spacing = np.diff(table.knots)
+    assert spacing == pytest.approx(spacing[0])
+    assert covered(table) == pytest.approx(
+        (measured.min(), measured.max()), abs=0.5 * spacing[0])

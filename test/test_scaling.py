@@ -89,6 +89,7 @@ def test_terms_without_a_name_are_in_proportion_as_well():
         assert ours.reach == paper.reach
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(('effect', 'parameter', 'factor'), [
     ('ep_hysteresis', 'ep_converter.hysteresis', CURRENT),
     ('chamber_leak', 'actuator.leak_area', AREA),

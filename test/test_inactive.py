@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters that move nothing where they are given, but where they ought to be."""
 
-from made_search import P, everywhere, steps_seen
+from made_task import P, everywhere, steps_seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.fitting import fit as fit_module
+from booster_ros.diagnosis.estimation import fit as fit_module
+from booster_ros.diagnosis.estimation.fit import first_steps, fit as best_fit
 from booster_ros.diagnosis.estimation.inactive import place_beyond
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
-from booster_ros.diagnosis.selection.screening import with_effect
+from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS
 
 LEVELS = np.array(
@@ -36,21 +37,21 @@ def test_a_smaller_largest_opening_is_found_though_the_given_one_is_never_reache
     smaller = 0.88 * P.booster.max_area
     problem, opening = made(smaller)
     beside = problem.start()
-    rows = problem.rows_counted()
+    rows = problem.observed
     for step in (-0.1, begun):
         beside[opening] = step
         assert np.array_equal(problem.residuals(beside)[:rows],
                               problem.residuals(problem.start())[:rows])
-    fit = problem.fit(beside, evaluations)
+    fit = best_fit(problem, [beside], evaluations)
     assert fit.parameters.booster.max_area == pytest.approx(smaller, rel=0.02)
     assert fit.cost < 1.05 * rows
 
 
 def test_a_largest_opening_that_no_record_speaks_against_stays_as_it_is_given():
     problem, opening = made(1.1 * P.booster.max_area)
-    fit = problem.fit()
+    fit = best_fit(problem)
     assert abs(fit.z[opening]) < 0.05
-    assert np.linalg.norm(fit.jacobian[:problem.rows_counted(), opening]) < 1e-6
+    assert np.linalg.norm(fit.jacobian[:problem.observed, opening]) < 1e-6
 
 
 def test_only_declared_parameters_that_move_nothing_are_moved_and_not_in_first_steps(monkeypatch):
@@ -58,20 +59,20 @@ def test_only_declared_parameters_that_move_nothing_are_moved_and_not_in_first_s
     asked = []
     monkeypatch.setattr(fit_module, 'place_beyond', lambda *args: asked.append(args[3]))
     problem, opening = made(P.booster.max_area, 'supply_ripple')
-    problem.fit(evaluations=4)
+    first_steps(problem, problem.start(), 4)
     assert asked == []
-    problem.fit(evaluations=10)
+    best_fit(problem, evaluations=10)
     assert asked == [{opening: 1.0}]
 
 
 def test_the_better_of_two_ends_is_taken(monkeypatch):
     problem, _ = made(P.booster.max_area)
-    alone = problem.fit(evaluations=10)
+    alone = best_fit(problem, evaluations=10)
     far = problem.bounds()[1]
     far[len(problem.freedoms):] = 0.0
     monkeypatch.setattr(fit_module, 'place_beyond', lambda *_: far)
-    assert problem.fit(evaluations=10).cost == alone.cost
-    assert problem.fit(far, evaluations=10).cost > alone.cost
+    assert best_fit(problem, evaluations=10).cost == alone.cost
+    assert best_fit(problem, [far], 10).cost > alone.cost
 
 
 RISE = np.linspace(0.0, 1.0, 100)

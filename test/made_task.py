@@ -1,23 +1,23 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Experiments and searches made of short simulations, for tests of the steps of a diagnosis."""
+"""Experiments and tasks made of short simulations, for tests of the steps of a diagnosis."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.data.blocks import split
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
-from booster_ros.diagnosis.searching.backward import compared
-from booster_ros.diagnosis.searching.forward import named
-from booster_ros.diagnosis.searching.search import Search
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.hypotheses.compose import with_effects
+from booster_ros.diagnosis.selection.task import Task
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 
 P = PositionerParameters()
-TIME = np.arange(0.0, 30.0, 0.01)
+TIME = np.arange(0.0, 30.0, 0.02)
 CURRENT = np.interp(TIME, [0.0, 5.0, 15.0, 20.0, 30.0], [3.6e-4, 3.6e-4, 4.4e-4, 3.8e-4, 3.8e-4])
 START_PRESSURE = 1.7e5
 RAMPS_TIME = np.arange(0.0, 120.0, 0.02)
@@ -26,10 +26,6 @@ RAMPS = np.interp(
     1e-4 * np.array([4.0, 4.3, 4.1, 4.5, 4.2, 4.0, 4.4, 4.3, 4.6, 4.1, 4.2, 4.5, 4.0, 4.4, 4.2, 4.5,
                      4.3, 4.1, 4.4, 4.2, 4.3]))
 STEPS = np.array([3.6, 4.0, 4.4, 4.1, 3.7, 3.5, 3.8, 4.2, 4.4, 4.2, 3.9, 3.6, 3.9, 4.3, 4.0, 3.7])
-LEAKING = P._replace(actuator=P.actuator._replace(
-    coulomb_friction=400.0, stiction=100.0, presliding_stiffness=1e7, leak_area=4e-8))
-RUBBING = {'actuator.coulomb_friction': 400.0, 'actuator.stiction': 100.0,
-           'actuator.stribeck_velocity': P.actuator.stribeck_velocity}
 
 
 def seen(parameters, departure=None, pressure=START_PRESSURE, current=CURRENT, seed=1, time=TIME):
@@ -61,26 +57,29 @@ def everywhere(experiment):
     return np.ones(len(experiment.time), dtype=bool)
 
 
-def searching(experiment, names):
-    """Return the search for these effects."""
-    return Search(experiment, split(experiment.time, experiment.current), P,
-                  tuple(declared_freedom(P, experiment)), names)
+def task_of(experiment, names=(), freedoms=None):
+    """Return the task of explaining an experiment by these effects."""
+    free = tuple(declared_freedom(P, experiment)) if freedoms is None else freedoms
+    return Task(experiment, split(experiment.time, experiment.current), P, free, tuple(names))
 
 
-def selected(search):
-    """Return what a search chooses and has tried, compared again."""
-    return compared(search, named(search, search.refit(), lambda *_: None), lambda *_: None)
+def problem_of(experiment, *effects, freedoms=None):
+    """Return the problem of an experiment, every row of it, with these effects."""
+    free = tuple(declared_freedom(P, experiment)) if freedoms is None else freedoms
+    return with_effects(Problem(experiment, everywhere(experiment), P, free), effects)
 
 
-def standing_at(search, effects, values):
-    """Return the model with these effects where its parameters have these values, not fitted."""
-    problem = search.joint(search.problem(), effects)
+def place_of(problem, parameter):
+    """Return which variable of a problem a parameter is."""
+    return [free.knob.parameter for free in problem.freedoms].index(parameter)
+
+
+def z_of(problem, values):
+    """Return z where parameters have these values, shapes are typical, and all else is as given."""
     z = problem.start()
     for j, free in enumerate(problem.freedoms):
         if free.knob.parameter in values:
             z[j] = free.variable(values[free.knob.parameter])
         elif free.knob.shape:
             z[j] = free.without_size
-    fit = problem.at(z)
-    residuals = problem.residuals(z)
-    return search.rate(effects, problem, replace(fit, cost=float(residuals @ residuals)))
+    return z

@@ -5,17 +5,17 @@
 from dataclasses import replace
 
 from made_diagnosis import diagnosis_of, timed_columns
-from made_search import CURRENT, P, START_PRESSURE, TIME, seen
+from made_task import CURRENT, P, START_PRESSURE, TIME, seen
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.estimation.fit import fit as best_fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
-from booster_ros.diagnosis.estimation.uncertainty import (
-    Interval, block_bootstrap, interval_of, undetermined)
+from booster_ros.diagnosis.estimation.uncertainty import Interval, block_bootstrap, interval_of
 from booster_ros.diagnosis.estimation.svd_differences import at_the_bottom, slopes_along_axes
 from booster_ros.diagnosis.result import FoundEffect, either
-from booster_ros.diagnosis.selection.screening import with_effect
+from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
 from booster_ros.report.html_report import html_page
@@ -41,7 +41,7 @@ def fitted():
     for j, free in enumerate(problem.freedoms):
         if free.knob.parameter in NAMES[1:]:
             z[j] = free.variable(0.03)
-    return problem, problem.fit(z)
+    return problem, best_fit(problem, [z])
 
 
 def places(problem):
@@ -64,13 +64,13 @@ def along_the_valley(problem):
 def refined(problem, fit):
     """Return the slopes of a fit along the axes of its Jacobian."""
     here = problem.residuals(fit.z)
-    return slopes_along_axes(problem, problem.residuals, fit.z, here, fit.jacobian)
+    return slopes_along_axes(problem, fit.z, here, fit.jacobian)
 
 
 def test_along_axes_slopes_are_those_of_the_valley(fitted):
     problem, fit = fitted
     step = along_the_valley(problem)
-    rows = problem.rows_counted()
+    rows = problem.observed
     moved = problem.residuals(fit.z + 0.3 * step) - problem.residuals(fit.z - 0.3 * step)
     truth = np.linalg.norm(moved[:rows]) / 0.6
     across = np.linalg.norm(fit.jacobian[:rows, places(problem)[0]])
@@ -89,7 +89,6 @@ def test_what_trades_with_a_declared_parameter_is_as_unsure_as_that(fitted):
     assert 0.7 < np.std(draws[:, offset]) < 1.3  # of its prior
     together, apart = draws[:, intake] + draws[:, exhaust], draws[:, intake] - draws[:, exhaust]
     assert np.std(together) < 0.02 * np.std(apart)
-    assert undetermined(problem, draws, fit, 'booster_dead_band') == ''
     scale = problem.freedoms[intake].scale
     assert scale * np.mean(together) == pytest.approx(0.06, abs=0.002)
 
@@ -113,12 +112,12 @@ def one_at_its_bound(fitted):
     problem = replace(fitted[0], experiment=experiment)
     z = problem.start()
     z[places(problem)[1]] = problem.freedoms[places(problem)[1]].variable(0.06)
-    return problem, problem.at(z)
+    return problem, fit_at(problem, z)
 
 
 def test_beside_a_bound_slopes_are_those_of_the_valley_too(one_at_its_bound):
     problem, fit = one_at_its_bound
-    step, rows = along_the_valley(problem), problem.rows_counted()
+    step, rows = along_the_valley(problem), problem.observed
     here, moved = (problem.residuals(z)[:rows] for z in (fit.z, fit.z - 0.3 * step))
     truth = np.linalg.norm(moved - here) / 0.3  # the exhaust's preload can but rise
     assert np.linalg.norm(fit.jacobian[:rows] @ step) > 5.0 * truth
@@ -147,9 +146,12 @@ def test_with_next_to_no_noise_sizes_that_trade_stand_as_their_sum_does():
                                   tuple(declared_freedom(P, quiet))), EFFECTS['booster_dead_band'])
     z = problem.start()
     z[places(problem)[1]] = problem.freedoms[places(problem)[1]].variable(0.06)
-    fit = at_the_bottom(problem, problem.at(z))
+    fit = at_the_bottom(problem, fit_at(problem, z))
     draws = block_bootstrap(problem, fit, (TIME // 2.5).astype(int))
-    assert undetermined(problem, draws, fit, 'booster_dead_band') == ''
+    scale = problem.freedoms[places(problem)[1]].scale
+    together = scale * draws[:, places(problem)[1:]].sum(axis=1)
+    assert np.mean(together) == pytest.approx(0.06, rel=1e-3)
+    assert np.std(together) < 1e-3 * 0.06
 
 
 @pytest.mark.parametrize(('lowest', 'said'), [(0.0, True), (0.01, False)])

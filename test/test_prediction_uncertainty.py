@@ -3,17 +3,21 @@
 """What a record leaves open of its model, and what that does to what the model predicts."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
-from made_search import (
-    P, RAMPS, RAMPS_TIME, START_PRESSURE, STEPS, everywhere, searching, seen, steps_seen)
+from made_task import (
+    P, RAMPS, RAMPS_TIME, START_PRESSURE, STEPS, everywhere, seen, steps_seen)
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.estimation.final_fit import FinalFit
+from booster_ros.diagnosis.estimation.fit import fit
+from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, label, put
-from booster_ros.diagnosis.fitting.friction_trials import Trials
-from booster_ros.diagnosis.last_fit import LastFit, draws_of
-from booster_ros.diagnosis.judging.prediction_uncertainty import FEWEST, MODELS, models_alike, with_left_open
+from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
+from booster_ros.diagnosis.judging.prediction_uncertainty import (
+    FEWEST, MODELS, models_alike, with_left_open)
 from booster_ros.diagnosis.result import Alike, ChannelError, errors_of
 
 MILD = np.array([3.9, 4.0, 3.95, 4.05, 4.0, 4.1, 4.05, 4.0, 3.95, 3.9])
@@ -21,9 +25,9 @@ LARGE = np.array([4.6, 3.4, 4.4, 3.5, 4.6, 3.4])
 """Steps (0.1 mA) that open no seat of the booster as far as it goes, and steps that do."""
 
 
-def made(models, one_off=None):
+def made(models, one_off=None, observation=ROWS):
     """Return models that are not asked which of them meets what is missed."""
-    return Alike(models, one_off or {}, None, None)
+    return Alike(models, one_off or {}, SimpleNamespace(observation=observation), None)
 
 
 def errors(experiment, run):
@@ -87,7 +91,9 @@ def fitted(experiment, known=()):
     """Return the declared model fitted to all rows, but for parameters that are known."""
     problem = Problem(experiment, everywhere(experiment), P, tuple(
         free for free in declared_freedom(P, experiment) if free.knob.parameter not in known))
-    return LastFit(problem, problem.fit())
+    found = fit(problem)
+    return FinalFit(problem, found, block_bootstrap(problem, found, (
+        experiment.time // 3.0).astype(int)))
 
 
 def judged(other, last, models):
@@ -99,9 +105,9 @@ def judged(other, last, models):
 
 def test_what_no_step_of_a_record_needed_is_open_where_another_one_needs_it():
     """And a valve whose largest area is off by a tolerance misses by about as much."""
-    search = searching(steps_seen(P, np.tile(MILD, 2), START_PRESSURE, seed=1), ())
-    last = fitted(search.experiment, ('booster.critical_pressure_ratio',))
-    models = models_alike(last, draws_of(search, last))
+    mild = steps_seen(P, MILD, START_PRESSURE, seed=1)
+    last = fitted(mild, ('booster.critical_pressure_ratio',))
+    models = models_alike(last)
     assert len(models.models) == MODELS
     other = steps_seen(P, LARGE, START_PRESSURE, seed=2)
     run = other.predict(last.fit.parameters)
@@ -112,7 +118,7 @@ def test_what_no_step_of_a_record_needed_is_open_where_another_one_needs_it():
                for share in (0.94, 1.06)]
         missed = np.sqrt(np.mean((np.array(off) - run[name])**2))
         assert 0.5 < error.left_open / missed < 1.6
-    again = judged(search.experiment, last, models)
+    again = judged(mild, last, models)
     assert all(error.left_open < 0.1 * error.noise for error in again.values())
     assert all(error.mostly == {} for error in again.values())
 
@@ -131,15 +137,15 @@ FAULTS = {'sensors.pressure_bias': 3e3, 'actuator.leak_area': 4e-7, 'sensors.pos
 """What a valve is to have got between two records."""
 
 
+@pytest.mark.campaign
 def test_valves_are_missed_by_as_much_as_is_left_open_unless_something_is_missing():
     """Of valves drawn from the tolerances; each is known by ramps, and judged on large steps."""
     ratios, excused = [], []
     for seed in range(8):
         valve = drawn_valve(seed)
-        ramps = searching(seen(valve, None, START_PRESSURE, RAMPS[:3000], seed, RAMPS_TIME[:3000]),
-                          ())
-        last = fitted(ramps.experiment)
-        models = models_alike(last, draws_of(ramps, last))
+        last = fitted(seen(
+            valve, None, START_PRESSURE, RAMPS[:3000], seed, RAMPS_TIME[:3000]))
+        models = models_alike(last)
         found = judged(steps_seen(valve, LARGE, START_PRESSURE, 100 + seed), last, models)
         ratios += [np.sqrt(max(error.after**2 - error.noise**2, 0.0)) / error.left_open
                    for error in found.values()]
@@ -156,10 +162,9 @@ def test_valves_are_missed_by_as_much_as_is_left_open_unless_something_is_missin
 
 
 def test_what_a_record_has_shown_is_open_no_more():
-    search = searching(steps_seen(P, np.r_[STEPS, LARGE], START_PRESSURE, seed=1), ())
-    last = fitted(search.experiment)
+    last = fitted(steps_seen(P, np.r_[STEPS[:4], LARGE], START_PRESSURE, seed=1))
     other = steps_seen(P, LARGE[::-1], START_PRESSURE, seed=2)
-    found = judged(other, last, models_alike(last, draws_of(search, last)))
+    found = judged(other, last, models_alike(last))
     assert all(0.0 < error.left_open < 0.3 * error.noise for error in found.values())
 
 
@@ -171,12 +176,12 @@ def test_draws_that_miss_what_was_fitted_are_no_models_of_it():
     far[:, gain] += 1.0  # a tolerance, 2 %, of what a record tells to parts of a thousand
     mixed = near.copy()
     mixed[::8] = far[::8]  # every fourth is looked at
-    assert len(models_alike(last, near).models) == MODELS
-    assert models_alike(last, far) is None
+    assert len(models_alike(replace(last, draws=near)).models) == MODELS
+    assert models_alike(replace(last, draws=far)) is None
     few = far.copy()
     few[:4 * (FEWEST - 1):4] = last.fit.z
-    assert models_alike(last, few) is None
-    kept = models_alike(last, mixed).models
+    assert models_alike(replace(last, draws=few)) is None
+    kept = models_alike(replace(last, draws=mixed)).models
     assert len(kept) == MODELS
     assert {p.ep_converter.gain for p, _ in kept} == {last.fit.parameters.ep_converter.gain}
 
@@ -198,7 +203,7 @@ def test_what_others_have_to_make_up_for_is_not_asked_alone():
     step = 1.5 * np.sqrt(10.0) / np.linalg.norm(last.fit.jacobian[:, gain])
     draws[:, gain] += step * rng.choice([-1.0, 1.0], 400)
     draws[:, limit] += rng.standard_normal(400)
-    assert list(models_alike(last, draws).one_off) == ['booster.max_area']
+    assert list(models_alike(replace(last, draws=draws)).one_off) == ['booster.max_area']
 
 
 def test_no_model_is_beyond_the_bounds():
@@ -207,34 +212,10 @@ def test_no_model_is_beyond_the_bounds():
     limit = [label(free) for free in last.problem.freedoms].index('booster.max_area')
     draws = np.tile(last.fit.z, (400, 1))
     draws[:, limit] += np.where(np.arange(400) % 8 < 4, 0.0, 99.0)
-    models = models_alike(last, draws)
+    models = models_alike(replace(last, draws=draws))
     highest = last.problem.freedoms[limit].knob.high
     both = [*models.models, *models.one_off['booster.max_area']]
     assert max(p.booster.max_area for p, _ in both) == pytest.approx(highest)
-
-
-def test_of_a_stem_that_slips_the_trials_that_do_as_well_are_the_models():
-    """With declared parameters, which no trial has varied, as the bootstrap leaves them open."""
-    experiment = seen(P)
-    last = fitted(experiment)
-    names = [label(free) for free in last.problem.freedoms]
-    limit = names.index('booster.max_area')
-    z = np.tile(last.fit.z, (200, 1))
-    z[:, 0] += np.linspace(-0.01, 0.01, 200)
-    cost = np.where(np.abs(z[:, 0] - last.fit.z[0]) < 0.005, last.fit.cost, 1e9)
-    cost[-32:] = last.fit.cost
-    trials = Trials(z, cost, (0,))
-    draws = np.tile(last.fit.z, (400, 1))
-    draws[:, limit] += np.random.default_rng(1).standard_normal(400)
-    slipping = replace(last, trials=trials)
-    models = models_alike(slipping, trials.instead_of(draws)).models
-    free = last.problem.freedoms[0]
-    good = [free.value(one) for one in z[cost == last.fit.cost, 0]]
-    gains = {p.ep_converter.gain for p, _ in models}
-    assert len(gains) > 5
-    assert min(good) <= min(gains) < max(gains) <= max(good)
-    areas = np.array([p.booster.max_area for p, _ in models]) / P.booster.max_area
-    assert np.std(areas) == pytest.approx(0.06, rel=0.4)
 
 
 def test_of_slips_the_size_alone_is_compared():
@@ -245,7 +226,7 @@ def test_of_slips_the_size_alone_is_compared():
     errors_of_run = errors(experiment, run)
     left = {name: replace(error, after=1.5 * error.noise)
             for name, error in errors_of_run.items()}
-    models = made(((rubbing, experiment.initial),))
+    models = made(((rubbing, experiment.initial),), observation=WINDOWS)
     for error in with_left_open(left, experiment, run, models, everywhere(experiment),
                                       experiment.initial).values():
         much = error.left_open > 1.2 * error.noise

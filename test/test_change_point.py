@@ -12,7 +12,7 @@ from made_diagnosis import diagnosis_of, record_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis import change
+from booster_ros.diagnosis.judging import change_point
 from booster_ros.diagnosis.judging.change_point import since_change
 from booster_ros.report.wording import verdict_sentences, verdict_title
 
@@ -46,6 +46,7 @@ def meets(found):
     return all(one.after < 1.15 * one.noise for one in found.held_out.values())
 
 
+@pytest.mark.campaign
 def test_a_leak_that_opens_is_told_from_when_it_opened():
     found = diagnosed(columns_of(('late_leak', 5e-8)))
     assert found.change.time == pytest.approx(AT, abs=0.5)
@@ -59,6 +60,7 @@ def test_a_leak_that_opens_is_told_from_when_it_opened():
     assert meets(found)
 
 
+@pytest.mark.campaign
 def test_a_supply_that_falls_is_told_by_how_much():
     found = diagnosed(columns_of(('supply_falls', 8e3)))
     assert found.change.time == pytest.approx(AT, abs=0.5)
@@ -72,6 +74,7 @@ def test_a_supply_that_falls_is_told_by_how_much():
     assert meets(found)
 
 
+@pytest.mark.campaign
 def test_a_sensor_that_dies_is_no_parameter_that_changed():
     columns = columns_of()
     columns['valve_position'] = np.where(
@@ -96,7 +99,7 @@ def test_no_parameter_has_changed_where_what_came_after_is_met_as_before(monkeyp
     clean = columns_of()
     after = {name: values[clean['time'] >= AT] for name, values in clean.items()}
     later = diagnosis_of(after, 'none')
-    monkeypatch.setattr(change, '_later', lambda *_: later)
+    monkeypatch.setattr(change_point, '_later', lambda *_: later)
     found = since_change(diagnosis_of(columns, 'none'), record_of(columns))
     assert found.change.cut
     assert found.change.moved == ()
@@ -117,11 +120,12 @@ def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():
     assert found.experiment is whole.experiment
 
 
-@pytest.mark.parametrize('columns', [
-    pytest.param(columns_of(), id='nothing left to explain, but by the parameters as given'),
-    pytest.param(columns_of(('chamber_leak', 5e-8)), id='a leak from the start'),
+@pytest.mark.parametrize('hidden', [
+    pytest.param((), id='nothing left to explain, but by the parameters as given'),
+    pytest.param((('chamber_leak', 5e-8),), id='a leak from the start'),
 ])
-def test_a_valve_that_stayed_what_it_was_did_not_change(columns):
+def test_a_valve_that_stayed_what_it_was_did_not_change(hidden):
+    columns = columns_of(*hidden)
     whole = diagnosis_of(columns, 'none')
     assert since_change(whole, record_of(columns)) is whole
 
@@ -137,7 +141,7 @@ def test_a_diagnosis_of_the_rest_has_to_leave_half_and_may_still_leave_something
         times, cut, monkeypatch):
     columns = knocked(3e-4, AT)
     whole = leaving(diagnosis_of(columns, 'none'), 4.0)  # squares: half of 16 is 8
-    monkeypatch.setattr(change, '_later', lambda *_: leaving(whole, times))
+    monkeypatch.setattr(change_point, '_later', lambda *_: leaving(whole, times))
     found = since_change(whole, record_of(columns))
     assert found.change.cut is cut
     assert found.change.time == pytest.approx(AT, abs=0.3)

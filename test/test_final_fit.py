@@ -1,0 +1,79 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The final estimate: sizes that no row shows go back to none, all else goes to its end."""
+
+from made_record import flow_bench
+from made_task import P, TIME, place_of, problem_of, seen, z_of
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.estimation.final_fit import final_fit, without_unseen
+from booster_ros.diagnosis.estimation.fit import fit_at
+from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap, interval_of
+
+
+@pytest.mark.parametrize(('falls_to', 'left', 'least'), [(3.4e-4, 3.5, 1.7), (4.3e-4, 1.0, 0.5)])
+def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_little(
+        falls_to, left, least):
+    """It has no slope in either record; one opens the exhaust further than the intake goes."""
+    current = np.where(TIME < 10.0, 4.8e-4, np.where(TIME < 20.0, falls_to, 4.4e-4))
+    plant = P._replace(booster=P.booster._replace(exhaust_lift_ratio=3.0))
+    problem = problem_of(seen(plant, current=current), 'exhaust_asymmetry')
+    fit = fit_at(problem, z_of(problem, {'booster.exhaust_lift_ratio': 3.5}))
+    lift = place_of(problem, 'booster.exhaust_lift_ratio')
+    assert not fit.seen[lift]
+    booster = without_unseen(problem, fit).parameters.booster
+    assert booster.exhaust_lift_ratio == pytest.approx(left)
+    never_drawn = np.tile(fit.z, (400, 1))
+    found = interval_of(problem, never_drawn, fit, lift)
+    assert (found.value, found.high) == pytest.approx((3.5, 8.0))
+    assert found.low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened
+
+
+PACKING = {'actuator.coulomb_friction': 380.0, 'actuator.stiction': 130.0,
+           'actuator.presliding_damping': 2.5}
+
+
+@pytest.mark.parametrize(('stiffness', 'damping'), [(0.0, 1.0), (1e7, 2.5)])
+def test_shapes_on_which_nothing_depends_end_as_typical(stiffness, damping):
+    """A packing that does not yield has no damping; a stiffness of none is one that does not."""
+    plant = P._replace(actuator=P.actuator._replace(coulomb_friction=380.0, stiction=130.0))
+    problem = problem_of(seen(plant), 'stem_friction', freedoms=())
+    begin = z_of(problem, PACKING | {'actuator.presliding_stiffness': stiffness})
+    found = without_unseen(problem, fit_at(problem, begin)).parameters.actuator
+    assert found.presliding_stiffness == pytest.approx(stiffness)
+    assert found.presliding_damping == pytest.approx(damping)
+
+
+def test_what_is_seen_stays_and_its_slopes_with_it():
+    problem = problem_of(seen(put(P, 'actuator.leak_area', 3e-8)), 'chamber_leak', freedoms=())
+    fit = fit_at(problem, z_of(problem, {'actuator.leak_area': 3e-8}))
+    assert without_unseen(problem, fit) is fit
+
+
+@pytest.mark.parametrize('leak', [0.0, 4e-8])
+def test_a_final_fit_says_how_sure_a_leak_is(leak):
+    problem = problem_of(seen(put(P, 'actuator.leak_area', leak)), 'chamber_leak', freedoms=())
+    last = final_fit(problem, z_of(problem, {'actuator.leak_area': 2e-8}),
+                     (TIME // 3.0).astype(int))
+    found = interval_of(last.problem, last.draws, last.fit, 0)
+    assert abs(found.value - leak) <= found.high - found.low < 1e-8
+    assert last.fit.cost < 1.1 * problem.observed
+    if not leak:
+        assert found.low == 0.0
+
+
+def test_a_size_that_no_row_shows_goes_back_to_neutral():
+    problem = problem_of(flow_bench(7e-6, 0.37), 'booster_dead_band', freedoms=())
+    fit = fit_at(problem, np.array([10.0, 4.0]))
+    booster = without_unseen(problem, fit).parameters.booster
+    assert fit.parameters.booster.exhaust_preload > 0.0  # a bench never exhausts
+    assert booster.exhaust_preload == 0.0
+    assert booster.intake_preload == fit.parameters.booster.intake_preload > 0.0
+    without = without_unseen(problem, fit)
+    assert without.cost == problem.cost(without.z)
+    preload = [free.knob.parameter for free in fit.freedoms].index('booster.exhaust_preload')
+    drawn = block_bootstrap(problem, fit, np.arange(54))
+    nothing = interval_of(problem, drawn, fit, preload)
+    assert (nothing.low, nothing.high) == (0.0, 1.0)

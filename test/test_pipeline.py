@@ -1,0 +1,89 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Short diagnoses from end to end, and what a pipeline says beside them."""
+
+from dataclasses import replace
+
+from made_task import P, steps_seen
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis import pipeline
+from booster_ros.diagnosis.pipeline import diagnose
+from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.model.discrepancy import CHAMBER, KNOTS, STEM, Discrepancy
+from booster_ros.records import RecordError
+
+LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2, 4.0, 4.3])
+NAMES = ('chamber_leak', 'ep_hysteresis', 'position_backlash')
+
+
+@pytest.fixture(scope='module')
+def leaking():
+    """Return the diagnosis of 40 s of steps of a valve that leaks."""
+    told = []
+    found = diagnose(steps_seen(put(P, 'actuator.leak_area', 5e-8), LEVELS, 1.7e5, 3), P,
+                     lambda phrase, share: told.append(share), ('a note',), NAMES)
+    return found, told
+
+
+def test_a_leak_is_named_with_its_size(leaking):
+    found, _ = leaking
+    assert found.verdict == 'effect'
+    (effect,) = found.effects
+    assert (effect.name, effect.location) == ('chamber_leak', 'chamber')
+    size = effect.parameters['actuator.leak_area']
+    assert size.value == pytest.approx(5e-8, rel=0.05)
+    assert size.low < size.value < size.high
+    assert effect.standing == 'confirmed'
+    assert effect.explained > 0.9
+    assert found.added
+    for error in found.held_out.values():
+        assert error.met
+
+
+def test_each_step_of_the_selection_is_in_the_trace(leaking):
+    found, _ = leaking
+    step = [one for one in found.trace if one.outcome == 'accepted'][-1]
+    assert (step.effects, step.against) == (('chamber_leak',), ())
+    assert step.log_evidence > 100.0
+    assert step.gain > 2.0 * step.gain_standard_error > 0.0
+    assert 1.0 <= step.dispersion < 2.0
+    assert step.reduced_chi2 < 1.15
+    chosen, *others = sorted(found.suspects, key=lambda one: one.reason != 'chosen')
+    assert chosen.effects == ('chamber_leak',)
+    assert () in [one.effects for one in others]
+
+
+def test_progress_rises_to_the_end_and_notes_are_kept(leaking):
+    found, told = leaking
+    assert told == sorted(told)
+    assert (told[0] >= 0.0, told[-1]) == (True, 1.0)
+    assert found.notes[0] == 'a note'
+
+
+def test_nothing_is_added_to_a_clean_record():
+    found = diagnose(steps_seen(P, LEVELS, 1.7e5, 4), P, names=NAMES)
+    assert (found.verdict, found.effects, found.unknown) == ('none', (), None)
+    assert not found.added
+    assert all(step.outcome != 'accepted' for step in found.trace)
+    assert all(error.met for error in (*found.error.values(), *found.held_out.values()))
+
+
+@pytest.mark.parametrize(('role', 'purpose'), [('train', 'fit'), ('test', 'judge')])
+def test_a_record_without_a_value_to_fit_or_to_judge_by_is_refused(role, purpose):
+    experiment = steps_seen(P, LEVELS, 1.7e5, 4)
+    late = experiment.time > 0.8 * experiment.time[-1]
+    gone = late if role == 'test' else ~late
+    empty = replace(experiment, measured={
+        name: np.where(gone, np.nan, values) for name, values in experiment.measured.items()})
+    with pytest.raises(RecordError, match=f'no row to {purpose} by'):
+        diagnose(empty, P, names=())
+
+
+def test_a_declared_term_that_gave_way_to_another_is_named():
+    declared = P._replace(discrepancy=Discrepancy(STEM, values=(9.0,) * KNOTS))
+    another = P._replace(discrepancy=Discrepancy(CHAMBER, values=(1e-6,) * KNOTS))
+    assert pipeline._replaced(P, another) == pipeline._replaced(declared, declared) == ()
+    (note,) = pipeline._replaced(declared, another)
+    assert 'stem over time' in note
