@@ -5,7 +5,7 @@ The decisions of a selection, each a row with its reason.
 
 | question | answer yes where | why |
 |---|---|---|
-| does the record call for m' beside m? | evidence and prediction of blocks (`accepted`) | below |
+| does the record call for m' beside m? | evidence, and gain of blocks (`accepted`) | below |
 | is what is left noise? | reduced chi-square below NOISE | the level of noise is known so well |
 | does the first of two models stand for both? | log Z within TIE | odds of 20 to 1 |
 | is m' confirmed, likely, or a candidate? | `standing` | what an engineer may rely on |

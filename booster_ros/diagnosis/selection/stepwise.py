@@ -143,7 +143,7 @@ def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> t
     parent = refitted(above)
     left = parent.reduced_chi2
     if left < SMOOTHED and left - 1.0 < ISOLATED * (root.reduced_chi2 - 1.0):
-        return replace(task, places=_BELOW, names=tuple(
+        return replace(task, places=task.places & _BELOW, names=tuple(
             name for name in task.names if EFFECTS[name].location in _BELOW)), root
     found = neighbours(above, parent, above.names)
     likely = [one for one in found.near if accepted(trace.compared(
