@@ -98,7 +98,7 @@ def test_a_whole_number_that_no_float_holds_is_refused_and_not_quoted_at_length(
 
 @pytest.mark.parametrize('value', [1.0, 'yes', None])
 def test_a_switch_takes_true_and_false_alone(value):
-    with pytest.raises(ParameterError, match='position_controller.enabled'):
+    with pytest.raises(ParameterError, match=r'position_controller.enabled'):
         from_values({'position_controller.enabled': value})
     assert from_values({'position_controller.enabled': True}).position_controller.enabled is True
 
