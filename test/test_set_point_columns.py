@@ -9,7 +9,7 @@ import pytest
 
 from booster_ros.control.selection import select_profile
 from booster_ros.control.settings import check
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.loop_start import start_of_run
 from booster_ros.model.parameters import ParameterError
 from booster_ros.model.simulation import simulate
