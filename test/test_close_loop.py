@@ -221,7 +221,7 @@ def test_an_option_that_would_do_nothing_is_refused(
 @pytest.fixture
 def no_search(monkeypatch):
     """End a run where its search would begin."""
-    def stopped(*_):
+    def stopped(*_, **__):
         raise RecordError('as far as here')
 
     monkeypatch.setattr(program, 'diagnose', stopped)
@@ -230,7 +230,7 @@ def no_search(monkeypatch):
 @pytest.fixture
 def found_at_once(monkeypatch):
     """Let a run find nothing, as it would in the record of a valve that is as declared."""
-    monkeypatch.setattr(program, 'diagnose', lambda *_: nothing_found())
+    monkeypatch.setattr(program, 'diagnose', lambda *_, **__: nothing_found())
 
 
 @pytest.mark.usefixtures('no_search')
@@ -280,13 +280,13 @@ def test_an_interruption_leaves_an_earlier_report_as_it_was(
     (out / 'report.html').write_text('earlier')
     diagnose, there = program.diagnose, []
 
-    def interrupted(experiment, declared, tell, notes):
+    def interrupted(experiment, declared, tell, **_):
         def tell_and_interrupt(*said):
             tell(*said)
             there.append(len(list(out.iterdir())))
             os.kill(os.getpid(), number)
 
-        return diagnose(experiment, declared, tell_and_interrupt, notes)
+        return diagnose(experiment, declared, tell_and_interrupt)
 
     monkeypatch.setattr(program, 'diagnose', interrupted)
     done = close_loop('--record', record, '--params', declared, '--out', out)

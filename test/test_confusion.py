@@ -121,7 +121,7 @@ def test_what_was_interrupted_goes_on_with_what_is_missing(tmp_path):
 
 
 def test_a_result_says_on_which_state_it_was_run():
-    assert last_decision('# Decisions\n\n9. **No.** A\n\n12. **Yes.** 13. is none\n') == 12
+    assert last_decision('# Decisions\n\n**9. No.** A\n\n**12. Yes.** 13. is none\n') == 12
     assert last_decision((ROOT / 'docs' / 'decisions.md').read_text()) >= 88
     same = page(MADE, 9, '', '', '')
     assert 'All were run on the state of [decision 7](decisions.md).' in same

@@ -418,7 +418,7 @@ def test_what_ends_a_run_is_no_bad_parameter():
 @pytest.mark.parametrize(('line', 'says'), [
     ('profil: triangle', 'there is no parameter profil; did you mean profile?'),
     ('rate: fast', "rate must be a number in Hz, got 'fast' (write for example 100.0)"),
-    ('mode: both', "mode must be one of current, position, got 'both'"),
+    ('mode: both', "mode must be one of current, position, set_point, got 'both'"),
 ])
 def test_a_bad_parameter_in_a_file_is_said_with_its_line(tmp_path, line, says):
     params = tmp_path / 'params.yaml'

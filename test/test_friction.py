@@ -54,7 +54,7 @@ def test_nothing_is_read_where_pressure_or_motion_is_not_seen(without):
         del measured[without]
     blind = replace(problem, experiment=replace(problem.experiment, measured=measured))
     assert signature_friction(blind, blind.start()) is None
-    assert len(friction_starts(blind, blind.start())) in (1, 2)  # the best of the grid is left
+    assert friction_starts(blind, blind.start())  # the best of the grid are left
 
 
 def test_a_gap_in_a_channel_is_no_motion():

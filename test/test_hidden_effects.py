@@ -76,7 +76,7 @@ def test_a_tube_whose_flow_is_laminar_is_a_tube(effects, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(('effect', 'place', 'width'), [
     ('galled_stem', 6e-3, 1.35e-3),
-    'galled_stem_above', 11.5e-3, 2.2e-3,
+    ('galled_stem_above', 11.5e-3, 2.2e-3),
 ])
 def test_a_galled_stem_is_told_with_its_place(effect, place, width, tmp_path, monkeypatch):
     """The peak put in is a parabola squared, whose width is that of a bell as near as can be."""

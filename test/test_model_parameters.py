@@ -72,7 +72,11 @@ def test_every_parameter_says_what_it_is(name):
     assert from_values({name: description.default}) == PositionerParameters()
 
 
-@pytest.mark.parametrize('name', [n for n, d in DESCRIPTIONS.items() if not d.choices])
+NUMBERS = [name for name, description in DESCRIPTIONS.items()
+           if not description.choices and not isinstance(description.default, bool)]
+
+
+@pytest.mark.parametrize('name', NUMBERS)
 @pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf, 'many', None, True, np.True_, 1j])
 def test_no_parameter_takes_what_is_no_number(name, value):
     if isinstance(DESCRIPTIONS[name].default, tuple):
@@ -92,12 +96,20 @@ def test_a_whole_number_that_no_float_holds_is_refused_and_not_quoted_at_length(
         assert len(str(caught.value)) < 150
 
 
+@pytest.mark.parametrize('value', [1.0, 'yes', None])
+def test_a_switch_takes_true_and_false_alone(value):
+    with pytest.raises(ParameterError, match=r'position_controller.enabled'):
+        from_values({'position_controller.enabled': value})
+    assert from_values({'position_controller.enabled': True}).position_controller.enabled is True
+
+
 @pytest.mark.parametrize(
-    'name', [n for n, d in DESCRIPTIONS.items() if not d.choices and math.isfinite(d.high)])
+    'name', [n for n in NUMBERS if math.isfinite(DESCRIPTIONS[n].high)])
 def test_no_parameter_takes_what_is_out_of_its_range(name):
     description = DESCRIPTIONS[name]
     for value in (description.low - 1.0, description.high * 2.0 + 1.0):
-        wrong = [value] * 2 if isinstance(description.default, tuple) else value
+        is_list = isinstance(description.default, tuple)
+        wrong = [value] * len(description.default) if is_list else value
         with pytest.raises(ParameterError, match=rf'{name} must be between .* {description.unit}'.
                            replace('^', r'\^')):
             from_values({name: wrong})

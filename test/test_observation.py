@@ -26,7 +26,8 @@ def test_rows_are_what_is_left_of_each():
     scaled = np.arange(150.0)
     (found,) = ROWS.of([windows], [scaled])
     assert np.array_equal(found, scaled)
-    assert np.array_equal(ROWS.first_rows(windows), np.arange(150))
+    (rows,) = ROWS.first_rows(windows)
+    assert np.array_equal(rows, np.arange(150))
 
 
 def test_windows_are_a_mean_and_a_strength_of_each():
@@ -34,13 +35,16 @@ def test_windows_are_a_mean_and_a_strength_of_each():
     (found,) = WINDOWS.of([windows], [np.full(150, 2.0)])
     assert found[:3] == pytest.approx(2.0 * np.sqrt(50.0))  # in standard deviations of a mean
     assert len(found) == 6
-    assert np.array_equal(WINDOWS.first_rows(windows), [0, 50, 100, 0, 50, 100])
+    means, strengths = WINDOWS.first_rows(windows)
+    assert np.array_equal(means, [0, 50, 100])
+    assert np.array_equal(strengths, [0, 50, 100])
 
 
 def test_a_window_too_short_for_a_strength_has_no_residual_of_one():
     windows = windows_of(105)  # five rows in the last
     (found,) = WINDOWS.of([windows], [np.zeros(105)])
-    assert len(found) == len(WINDOWS.first_rows(windows)) == 3 + 2
+    assert len(found) == 3 + 2
+    assert [len(series) for series in WINDOWS.first_rows(windows)] == [3, 2]
 
 
 @pytest.fixture(scope='module')
@@ -70,15 +74,10 @@ def test_residuals_say_from_which_rows_they_are(slipping):
     assert min(map(min, later.first_rows)) == 500
 
 
-def test_windows_are_smooth_where_rows_are_rough(slipping):
-    """A newton of friction is another slip: rows jump, and what windows hold hardly moves."""
-    forces = 380.0 + np.arange(-20.0, 21.0, 4.0)
-
-    def roughness(observation):
-        problem = replace(slipping, observation=observation)
-        costs = np.array([problem.cost(z_of(
-            problem, FRICTION | {'actuator.coulomb_friction': force})) for force in forces])
-        bends = np.diff(costs, 2)
-        return np.std(bends) / np.ptp(costs)
-
-    assert roughness(WINDOWS) < 0.5 * roughness(ROWS)
+def test_statistics_of_windows_lead_to_the_friction_that_there_is(slipping):
+    """Single slips come at other moments for any other friction; what windows hold tells it."""
+    forces = 380.0 + np.arange(-150.0, 151.0, 30.0)
+    costs = [slipping.cost(z_of(slipping, FRICTION | {'actuator.coulomb_friction': force}))
+             for force in forces]
+    assert abs(forces[int(np.argmin(costs))] - 380.0) <= 30.0
+    assert min(costs[0], costs[-1]) > 3.0 * min(costs)

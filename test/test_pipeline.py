@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis import pipeline
+from booster_ros.diagnosis.data.blocks import rows_of, split
 from booster_ros.diagnosis.pipeline import diagnose
 from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.model.discrepancy import CHAMBER, KNOTS, STEM, Discrepancy
@@ -73,8 +74,7 @@ def test_nothing_is_added_to_a_clean_record():
 @pytest.mark.parametrize(('role', 'purpose'), [('train', 'fit'), ('test', 'judge')])
 def test_a_record_without_a_value_to_fit_or_to_judge_by_is_refused(role, purpose):
     experiment = steps_seen(P, LEVELS, 1.7e5, 4)
-    late = experiment.time > 0.8 * experiment.time[-1]
-    gone = late if role == 'test' else ~late
+    gone = rows_of(split(experiment.time, experiment.current), role, len(experiment.time))
     empty = replace(experiment, measured={
         name: np.where(gone, np.nan, values) for name, values in experiment.measured.items()})
     with pytest.raises(RecordError, match=f'no row to {purpose} by'):

@@ -26,7 +26,8 @@ def linear(seed=1, high=np.inf):
     residuals = np.concatenate([readings - design @ z, z / DEVIATION])
     problem = SimpleNamespace(
         observed=ROWS, sigma=DEVIATION,
-        freedoms=tuple(SimpleNamespace(prior_deviation=one) for one in DEVIATION),
+        freedoms=tuple(SimpleNamespace(prior_deviation=lambda z, one=one: one)
+                       for one in DEVIATION),
         bounds=lambda: (np.full(3, -np.inf), np.array([np.inf, high, np.inf])),
         first_rows=(np.arange(ROWS // 2), np.arange(ROWS // 2)))
     fit = SimpleNamespace(z=z, residuals=residuals, jacobian=jacobian,
@@ -86,7 +87,7 @@ def test_a_variable_that_explains_nothing_costs_evidence():
     idle -= basis @ (basis.T @ idle)  # nothing of what is left, nor of the others
     wider = SimpleNamespace(
         observed=ROWS, first_rows=problem.first_rows, sigma=np.append(DEVIATION, 10.0),
-        freedoms=(*problem.freedoms, SimpleNamespace(prior_deviation=10.0)),
+        freedoms=(*problem.freedoms, SimpleNamespace(prior_deviation=lambda z: 10.0)),
         bounds=lambda: (np.full(4, -np.inf), np.full(4, np.inf)))
     more = SimpleNamespace(z=np.append(fit.z, 0.0), residuals=np.append(fit.residuals, 0.0),
                            jacobian=np.zeros((ROWS + 4, 4)), cost=fit.cost)

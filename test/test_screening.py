@@ -11,10 +11,11 @@ import pytest
 
 from booster_ros.diagnosis.estimation.fit import fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.estimation.parametrisation import effect_freedom, put
+from booster_ros.diagnosis.selection import screening
 from booster_ros.diagnosis.selection.screening import (
     promise, reference_at, references, screen, strong_frequencies, with_chord_steps)
-from booster_ros.model.catalogue import Knob
+from booster_ros.model.catalogue import EFFECTS, Knob
 
 
 def test_frequencies_are_sought_in_the_fitted_rows_alone():
@@ -87,13 +88,13 @@ def test_a_new_effect_that_repeats_itself_is_tried_at_the_frequencies_that_were_
 
 
 def test_new_friction_is_not_tried_without_as_much_of_what_slides(monkeypatch):
-    bent = put(P, 'actuator.spring_bend', 300.0)
     for rubs in (False, True):
         add_effect(monkeypatch, 'worn_guide', 'stem',
                    Knob('actuator.flow_force', 500.0, -1e4, 1e4, rubs=rubs),
                    Knob('actuator.spring_bend', 300.0, -5e3, 5e3))
-        found = promised(bent, 'worn_guide', np.array([0.5])).actuator
-        assert (found.spring_bend == 0.0) == rubs
+        sizes = screening._sizes_to_try(
+            tuple(effect_freedom(EFFECTS['worn_guide'])), np.array([0.5]), screening.SIZES)
+        assert any(rubbing == 0.0 and bend != 0.0 for rubbing, bend in sizes) is not rubs
 
 
 def test_a_ripple_that_stands_still_is_none():

@@ -95,8 +95,7 @@ def test_what_trades_with_a_declared_parameter_is_as_unsure_as_that(fitted):
 
 def test_the_fit_goes_on_to_the_bottom_of_the_valley(fitted):
     problem, fit = fitted
-    off = problem.residuals(fit.z + along_the_valley(problem))
-    moved = replace(fit, z=fit.z + along_the_valley(problem), cost=float(off @ off))
+    moved = fit_at(problem, fit.z + along_the_valley(problem), fit.jacobian)
     assert abs(moved.z[places(problem)[0]]) > 0.7
     found = at_the_bottom(problem, moved)
     assert found.cost < moved.cost - 0.5

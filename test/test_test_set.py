@@ -29,7 +29,7 @@ def waving(sign=1.0):
     return steps_seen(P._replace(discrepancy=table), LEVELS, 1.7e5, seed=4)
 
 
-def tested(experiment):
+def rows_tested(experiment):
     """Return a rows' mark of the test set."""
     return rows_of(split(experiment.time, experiment.current), 'test', len(experiment.time))
 
@@ -61,7 +61,7 @@ def test_nothing_can_be_chosen_by_what_is_hidden():
     experiment = seen(P)
     hidden = without_test_set(experiment, split(experiment.time, experiment.current))
     for name, values in hidden.measured.items():
-        assert np.array_equal(np.isnan(values), tested(experiment))
+        assert np.array_equal(np.isnan(values), rows_tested(experiment))
         assert np.isfinite(experiment.measured[name]).all()
 
 
@@ -81,7 +81,7 @@ def test_a_term_that_the_test_set_speaks_against_is_not_in_the_model(stays, monk
     if not stays:
         other = waving(-1.0).measured
         experiment = replace(experiment, measured={
-            name: np.where(tested(experiment), other[name], values)
+            name: np.where(rows_tested(experiment), other[name], values)
             for name, values in experiment.measured.items()})
     task = replace(task_of(experiment), places=frozenset({'stem'}))
     root = refitted(task)

@@ -3,13 +3,14 @@
 """
 From the residual of a record to the effect that the model lacks.
 
-1. `preparing` makes an `experiment` of a record.
-2. `searching` finds what the model lacks: by `fitting` the model, with effects of the catalogue or
-   a term without a name, to parts of the record.
-3. `last_fit` fits what was found to all but the locked part; `locked_part` opens the locked part.
-4. `diagnose` goes through all these steps and returns their outcome, a `result`.
+1. `prepare` makes an experiment of a record; `data` says what that is, and which blocks of it train
+   and test.
+2. `hypotheses` are the declared model with effects of the catalogue, or a term without a name.
+3. `estimation` fits any of them, and says how sure a parameter is.
+4. `selection` says which of them the record calls for, by one comparison (`decide`).
+5. `judging` opens the test set, says what is left open and what is chance, scores the models on
+   another record, cuts a record of a valve that changed, and counts how often something is added
+   where nothing is missing.
 
-Beside these, `change` cuts a record of a valve that changed, `validation` scores the models on
-another record, `calibration` counts how often something is added where nothing is missing, and
-`repeatability` says what is chance.
+`pipeline` goes through these steps and returns their outcome, a `result`.
 """

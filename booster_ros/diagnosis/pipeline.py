@@ -30,7 +30,7 @@ from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, TraceStep, UnknownTerm,
     either, errors_of)
-from booster_ros.diagnosis.selection.decide import compare, standing
+from booster_ros.diagnosis.selection.decide import LARGE, compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.stepwise import (
     Progress, Selection, comparison, explained, select)
@@ -132,6 +132,9 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
     errors, held_out = (errors_of(experiment, runs, rows) for rows in (
         rows_of(task.segments, 'train', size), test))
     unknown = UnknownTerm(after.fit.parameters.discrepancy) if _unnamed(chosen) else None
+    decided, suspect = refused is not None, selection.chosen
+    if not chosen.effects and refused is None and chosen.reduced_chi2 > LARGE:
+        refused, suspect = _pointed_at(selection)
     verdict = 'effect' if chosen.effects else 'none'
     effects: tuple[FoundEffect, ...] = ()
     if unknown is not None:
@@ -142,7 +145,7 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
                         for name in chosen.effects)
     elif refused is not None:  # what the term was made for is there all the same
         verdict, effects = 'unknown', (_nameless(
-            refused.location, selection, selection.chosen, held_out),)
+            refused.location, selection, suspect, held_out),)
     refitted = _refitted(task, before, after)
     # where the record is not met, what is missing would pass for left open
     told = all(one.met for one in errors.values() if np.isfinite(one.after))
@@ -155,8 +158,18 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
         (*notes, *_cornered(refitted), *filter(None, map(either, effects)),
          *_replaced(task.declared, after.fit.parameters),
          *chance(experiment, after.fit.parameters, after.fit.initial, 'this record')),
-        refused=refused, start=after.fit.initial, decided=refused is not None, alike=models,
+        refused=refused, start=after.fit.initial, decided=decided, alike=models,
         trace=_trace(selection))
+
+
+def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:
+    """Return the term that comes nearest to what is missing, though too little speaks for it."""
+    terms = [one for one in selection.models if _unnamed(one)]
+    if not terms:
+        return None, selection.chosen
+    nearest = min(terms, key=lambda one: one.reduced_chi2)
+    table = UnknownTerm(nearest.fit.parameters.discrepancy)
+    return Refused(place_of(table.table.location), table.variable, None, 0.0), nearest
 
 
 def _trace(selection: Selection) -> tuple[TraceStep, ...]:
@@ -200,7 +213,8 @@ def _found(task: Task, selection: Selection, chosen: Model, after: FinalFit,
         {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
          'log_evidence': said.log_evidence, 'gain': said.gain,
          'gain_standard_error': said.standard_error, 'dispersion': said.dispersion},
-        standing(share, chosen.reduced_chi2, cornered, stands(held_out)), share)
+        standing(share, chosen.reduced_chi2, cornered, stands(held_out),
+                 beside=len(chosen.effects) > 1), share)
 
 
 def _without(selection: Selection, chosen: Model, name: str) -> Model:

@@ -322,7 +322,7 @@ class Diagnosis:
 
     `refused` is a term without a name that did not stand, and is not in the model; `start` is
     where `after` begins, None for the start of the experiment. `decided` says that the verdict
-    would be another one without the locked part. `alike` are models that suit the record as well
+    would be another one without the test set. `alike` are models that suit the record as well
     as `after`, None where they were not sought or too few were found.
     """
 

@@ -44,10 +44,9 @@ python -m booster_ros close_loop --record measured/NAME.csv --params PARAMETERS 
 *Declared* is the model with the parameters as given, *refitted* with them turned within their
 tolerances, *with the effect* what `close_loop` writes. *Held out* rows were opened once, at the
 end. *Noise* is what the record's own scatter tells; errors above it are not explained. *Tried* are
-the choice, what was added to it, and what was tried instead: terms without a name, then the others
-by their score on the rows held back for selecting. *Misfit* is the mean square of the residuals on
-those rows, in units of the noise: 1 is noise, 100 is ten times the noise. In the figures hollow
-points or a shaded end are held out.
+the choice, what was added to it, and what was tried instead, best first. *Misfit* is the mean
+square of the residuals on the rows that were fitted, in units of the noise: 1 is noise, 100 is ten
+times the noise. In the figures hollow points or a shaded end are held out.
 
 {text}"""
 

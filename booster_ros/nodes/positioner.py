@@ -84,6 +84,7 @@ class Positioner(Node):
         check_files(arguments, self.get_fully_qualified_name(), checked)
         parameters = declare(self)
         settings = self._settings = parameters.node
+        planned(settings.faults)  # refused here, not by the first parameter that rclpy declares
         self._watch = ParameterWatch(
             self, self._on_parameters, lambda parameters: planned(parameters.node.faults))
         self._parameter_service = AllOrNone(self, as_declared)
@@ -279,7 +280,7 @@ class Positioner(Node):
         self._commands.take_waiting()
         self._put_into_initial_state()
         self._restarts = True
-        if self._ticking.paused:
+        if self._ticking.stands:
             self._publish_restart(self._time.stamp_offset())
         self._reporter.report()
         state, rules = self._settings.initial_state, self._guard.rules

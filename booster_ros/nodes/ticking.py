@@ -54,6 +54,11 @@ class Ticking:
             self._timer.reset()
 
     @property
+    def stands(self) -> bool:
+        """Whether no tick comes by itself: paused, or before anything has come on /clock."""
+        return self.paused or not self._started
+
+    @property
     def thins(self) -> bool:
         """Whether the node cannot keep up with wall time, and is to publish less for that."""
         return not (self.paused or self._time.follows_clock_topic) and self.thinning.active(

@@ -28,7 +28,7 @@ MUCH = 3.0
 """Multiple of the noise from which what is left belongs in the headline."""
 
 FEW = 25
-"""Values of a channel in the locked part below which the report says how few there are."""
+"""Values of a channel in the test set below which the report says how few there are."""
 
 
 def error_scale(error: ChannelError) -> Scale:
@@ -68,7 +68,7 @@ def meets_all(diagnosis: Diagnosis) -> bool:
 
 
 def unseen(diagnosis: Diagnosis) -> str:
-    """Return the words for the locked part, which has been seen where it decided the verdict."""
+    """Return the words for the test set, which has been seen where it decided the verdict."""
     return 'that nothing was fitted to, but that had a say in the verdict' if diagnosis.decided \
         else 'that no step of this analysis had seen'
 
@@ -135,7 +135,7 @@ def sentences_on_rest(diagnosis: Diagnosis) -> list[str]:
 
 
 def sentences_on_left_open(diagnosis: Diagnosis) -> list[str]:
-    """Return how much of the error in the locked part is due to what this record leaves open."""
+    """Return how much of the error in the test set is due to what this record leaves open."""
     return _of_what_is_open(judged(diagnosis), diagnosis, 'the fitted part of this record')
 
 
@@ -234,7 +234,7 @@ def _where(diagnosis: Diagnosis) -> str:
 
 
 def _how_few(diagnosis: Diagnosis) -> str:
-    """Return how few values the locked part has, if they are few; in a sweep each row is much."""
+    """Return how few values the test set has, if they are few; in a sweep each row is much."""
     experiment = diagnosis.experiment
     locked = rows_of(list(diagnosis.segments), 'test', len(experiment.time))
     values = max(int(np.isfinite(measured[locked]).sum())

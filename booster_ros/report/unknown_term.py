@@ -74,7 +74,7 @@ def unknown_experiment(unknown: UnknownTerm) -> str:
 
 
 def sentences_on_refused(refused: Refused, diagnosis: Diagnosis) -> list[str]:
-    """Return which term did not stand: it explains too little, or the locked part refutes it."""
+    """Return which term did not stand: it explains too little, or the test set refutes it."""
     place = place_label(refused.location)
     term = f'A smooth term in {place} over the {channel_label(refused.variable)}'
     guess = f'That {place} is the place is a guess.'

@@ -46,7 +46,7 @@ class Series:
         return np.array(self._samples).tobytes()
 
     def assert_between(self, column: str, low: float, high: float) -> None:
-        """AssertionError unless every value of a column is within low … high."""
+        """Raise AssertionError unless every value of a column is within low … high."""
         for sample in self._samples:
             value = getattr(sample, column)
             assert low <= value <= high, (

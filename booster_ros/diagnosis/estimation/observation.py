@@ -34,8 +34,12 @@ class Observation(Protocol):
     def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:
         """Return the residuals of each channel, from the scaled residuals of its rows."""
 
-    def first_rows(self, windows: Windows) -> Array:
-        """Return for each of a channel's residuals the first of the counted rows it comes from."""
+    def first_rows(self, windows: Windows) -> list[Array]:
+        """
+        Return of each series of a channel's residuals the first of the counted rows each is from.
+
+        Within a series residuals may be autocorrelated; means and strengths are a series each.
+        """
 
 
 @dataclass(frozen=True)
@@ -47,8 +51,8 @@ class _Rows:
     def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:
         return list(scaled)
 
-    def first_rows(self, windows: Windows) -> Array:
-        return np.arange(len(windows.time))
+    def first_rows(self, windows: Windows) -> list[Array]:
+        return [np.arange(len(windows.time))]
 
 
 @dataclass(frozen=True)
@@ -61,8 +65,8 @@ class _WindowStatistics:
         return [np.concatenate([one.means(each), one.strengths(each)])
                 for one, each in zip(windows, scaled)]
 
-    def first_rows(self, windows: Windows) -> Array:
-        return np.concatenate([windows.first, windows.first[windows.told]])
+    def first_rows(self, windows: Windows) -> list[Array]:
+        return [windows.first, windows.first[windows.told]]
 
 
 ROWS: Observation = _Rows()

@@ -146,9 +146,10 @@ class Problem:
 
     @cached_property
     def first_rows(self) -> tuple[Array, ...]:
-        """For each channel, the row of the experiment that each observed residual begins with."""
-        return tuple(np.flatnonzero(rows)[self.observation.first_rows(one)]
-                     for rows, one in zip(self.counted.values(), self.windows))
+        """For each series of residuals, the row of the experiment that each of them begins with."""
+        return tuple(np.flatnonzero(rows)[first]
+                     for rows, one in zip(self.counted.values(), self.windows)
+                     for first in self.observation.first_rows(one))
 
     @cached_property
     def observed(self) -> int:

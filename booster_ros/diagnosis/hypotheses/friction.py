@@ -49,10 +49,13 @@ before, as closer trials reach half of the way to the next."""
 BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
 """Values of stiction that are tried, as shares of the sliding friction."""
 
-KEPT, CLOSER = 3, ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
+SLIDING_SHARES = (0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
+"""Shares of the break-away friction of the signature that are tried as sliding friction."""
+
+KEPT, KEPT_CLOSER, CLOSER = 3, 2, ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
 """
-Number of best trials around which closer ones follow, and the steps of these, round by round: of
-the sliding friction, as a share of it, and of the share that breaks away.
+Number of best trials around which closer ones follow, at first and later, and the steps of these,
+round by round: of the sliding friction, as a share of it, and of the share that breaks away.
 """
 
 DAMPINGS = (0.3, 0.6)
@@ -79,18 +82,23 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
         return sorted(zip(costs, several))
 
     larger = proportion(problem.base, 'actuator', 'N')
-    best = tried(itertools.product(
-        [larger * force for force in SLIDING], BREAKING_AWAY, (False, True)))[:KEPT]
-    for step, more in CLOSER:
-        best = sorted(tried((force * (1.0 + step * j), max(share + more * k, 0.0), yields)
-                            for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))[0]
-                      for _, (force, share, yields) in best)[:1]
+    trials = [*itertools.product([larger * force for force in SLIDING], BREAKING_AWAY,
+                                 (False, True))]
     read = signature_friction(problem, z)
-    trials = [best[0][1]] if read is None else [
-        best[0][1], *((sliding, (breaking - sliding) / sliding, yields)
-                      for sliding, breaking in [(max(read[0], 0.1 * read[1]), read[1])]
-                      for yields in (False, True))]
-    return [place for trial in trials for place in _dampings(problem, _placed(problem, z, *trial))]
+    if read is not None:
+        # where it breaks away is read well; how far it falls below that hangs on how far it slips
+        low, breaking = max(read[0], 0.1 * read[1]), read[1]
+        trials += [(sliding, breaking / sliding - 1.0, yields) for yields in (False, True)
+                   for sliding in (low, *(share * breaking for share in SLIDING_SHARES))]
+    best = tried(trials)[:KEPT]
+    for step, more in CLOSER:
+        best = sorted({one[1]: one for _, (force, share, yields) in best for one in tried(
+            (force * (1.0 + step * j), max(share + more * k, 0.0), yields)
+            for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))}.values())[:KEPT_CLOSER]
+    places = [one for _, one in best]
+    if read is not None:
+        places += [(low, breaking / low - 1.0, yields) for yields in (False, True)]
+    return [place for one in places for place in _dampings(problem, _placed(problem, z, *one))]
 
 
 def _placed(problem: Problem, z: Array, sliding: float, share: float, yields: bool) -> Array:

@@ -128,7 +128,7 @@ def _unknown(later: Diagnosis, place: str, others: tuple[str, ...] = ()) -> Diag
 
 
 def _meets(diagnosis: Diagnosis) -> bool:
-    """Tell whether the last model meets all that could be compared, the locked part included."""
+    """Tell whether the last model meets all that could be compared, the test set included."""
     return all(one.met for one in (*diagnosis.error.values(), *diagnosis.held_out.values())
                if np.isfinite(one.after))
 
@@ -197,7 +197,7 @@ def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     if begin is None:
         return None
     met = _lengthened(met_up_to, (first, begin), further)
-    if ends[True] and met[0] == ends[True][-1]:  # only then can the change be in the locked part
+    if ends[True] and met[0] == ends[True][-1]:  # only then can the change be in the test set
         met = _lengthened(met_up_to, met, ends[False])
     return met
 

@@ -3,7 +3,7 @@
 """
 Values that are possible in their unit, but cannot be of the declared valve (see also pressures).
 
-Fitted all the same, they come out as an effect, or the search runs for minutes and finds nothing.
+Fitted all the same, they come out as an effect, or the diagnosis takes minutes and finds nothing.
 """
 
 from collections.abc import Mapping

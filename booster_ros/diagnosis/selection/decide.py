@@ -5,7 +5,7 @@ The decisions of a selection, each a row with its reason.
 
 | question | answer yes where | why |
 |---|---|---|
-| does the record call for m' beside m? | evidence and prediction of blocks (`accepted`) | below |
+| does the record call for m' beside m? | evidence, and gain of blocks (`accepted`) | below |
 | is what is left noise? | reduced chi-square below NOISE | the level of noise is known so well |
 | does the first of two models stand for both? | log Z within TIE | odds of 20 to 1 |
 | is m' confirmed, likely, or a candidate? | `standing` | what an engineer may rely on |
@@ -86,14 +86,17 @@ def why_not(found: Comparison, candidates: int) -> str:
     return 'the evidence for it is not enough'
 
 
-def standing(explained: float, reduced_chi2: float, at_bound: bool, stands_in_test: bool) -> str:
+def standing(explained: float, reduced_chi2: float, at_bound: bool, stands_in_test: bool,
+             beside: bool = False) -> str:
     """
     Return what may be relied on: 'confirmed', 'likely' or 'candidate'.
 
     Candidate: it stands at a bound of its range, or it leaves more than three times the noise and
     explains less than four fifths of what was missing. Likely: it explains that much, but the test
-    set is not met better with it, or much is left. Confirmed: neither.
+    set is not met better with it, or much is left, or `beside` others it explains no more than the
+    idealised law of one of them may leave. Confirmed: none of these.
     """
     if at_bound or (reduced_chi2 > LARGE and explained < MOST):
         return 'candidate'
-    return 'confirmed' if stands_in_test and reduced_chi2 < LARGE else 'likely'
+    little = beside and explained < 1.0 - NEARLY_ALL
+    return 'likely' if little or reduced_chi2 > LARGE or not stands_in_test else 'confirmed'

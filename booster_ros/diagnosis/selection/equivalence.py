@@ -44,7 +44,7 @@ def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[s
     for one in selection.models:
         instead = set(one.effects) - rest
         if (len(instead) == 1 and rest <= set(one.effects) and name not in instead
-                and instead <= EFFECTS.keys() and one.problem.observed == chosen.problem.observed
+                and instead <= EFFECTS.keys() and one.score.observed == chosen.score.observed
                 and comparison(task, chosen, one, []).log_evidence < TIE):
             found += sorted(instead)
     if chosen.problem.observation is ROWS:

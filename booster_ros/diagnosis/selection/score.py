@@ -73,21 +73,21 @@ def score_of(problem: Problem, fit: Fit, block_of_row: Array) -> Score:
                          + [*problem.sigma[len(problem.freedoms):]])[inside]
     label = np.concatenate([block_of_row[rows] for rows in problem.first_rows])
     costs = np.bincount(label, residuals**2)
-    channels = np.split(residuals, np.cumsum([len(rows) for rows in problem.first_rows])[:-1])
+    series = np.split(residuals, np.cumsum([len(rows) for rows in problem.first_rows])[:-1])
     return Score(float(residuals @ residuals), fit.cost - float(residuals @ residuals), data,
-                 dispersion(channels), costs, jacobian.T @ jacobian, 1.0 / deviation**2)
+                 dispersion(series), costs, jacobian.T @ jacobian, 1.0 / deviation**2)
 
 
-def dispersion(channels: Sequence[Array]) -> float:
+def dispersion(series: Sequence[Array]) -> float:
     """
     Return c of what is left: its mean square times its autocorrelation time, 1 at the least.
 
-    `channels` are residuals in standard deviations of the noise. The autocorrelation time is
+    `series` are residuals in standard deviations of the noise. The autocorrelation time is
     1 + 2 sum rho_k up to where pairs of neighbouring rho_k are no longer positive (C. Geyer,
     Statistical Science 7 (1992) 473).
     """
-    squares = [float(each @ each) * _autocorrelation_time(each) for each in channels]
-    return max(1.0, sum(squares) / max(sum(map(len, channels)), 1))
+    squares = [float(each @ each) * _autocorrelation_time(each) for each in series]
+    return max(1.0, sum(squares) / max(sum(map(len, series)), 1))
 
 
 def _autocorrelation_time(values: Array) -> float:

@@ -89,17 +89,22 @@ def comparison(task: Task, one: Model, other: Model, rivals: list[Model]) -> Com
     """
     Return what the record says of one model against another.
 
-    Both are observed by statistics of windows where either is. The best of the rivals of that
-    observation tells c.
+    Both are observed by statistics of windows where either is, else on as many rows as either. The
+    best of the rivals that are observed so tells c.
     """
-    if one.problem.observation is not other.problem.observation:
-        if one.problem.observation is WINDOWS:
-            other = task.observed_as(other, one)
-        else:
-            one = task.observed_as(one, other)
-    alike = [each for each in rivals if each.problem.observation is one.problem.observation]
+    leading = max((one, other), key=lambda each: (
+        each.problem.observation is WINDOWS, each.score.observed))
+    one, other = (each if _observed_alike(each, leading) else task.observed_as(each, leading)
+                  for each in (one, other))
+    alike = [each for each in rivals if _observed_alike(each, leading)]
     best = min([one, other, *alike], key=lambda each: each.score.cost / each.score.observed)
     return compare(one.score, other.score, best.score.dispersion)
+
+
+def _observed_alike(one: Model, other: Model) -> bool:
+    """Tell whether two models were fitted to the same observations of the same rows."""
+    return (one.problem.observation is other.problem.observation
+            and one.score.observed == other.score.observed)
 
 
 def select(task: Task, tell: Progress) -> Selection:
@@ -112,7 +117,9 @@ def select(task: Task, tell: Progress) -> Selection:
     # beside friction, what lies above the stem was judged where slips do not blur it
     if len(chosen.effects) > 1 and chosen.problem.observation is not WINDOWS:
         tell('exchanging effects', 0.65)
-        chosen = _deleted(task, _exchanged(task, chosen, trace), trace)
+        if _leaves_structure(chosen, root):
+            chosen = _exchanged(task, chosen, trace)
+        chosen = _deleted(task, chosen, trace)
     named = chosen
     if _leaves_structure(chosen, root):
         tell('looking for a discrepancy without a name', 0.75)
@@ -136,7 +143,7 @@ def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> t
     parent = refitted(above)
     left = parent.reduced_chi2
     if left < SMOOTHED and left - 1.0 < ISOLATED * (root.reduced_chi2 - 1.0):
-        return replace(task, places=_BELOW, names=tuple(
+        return replace(task, places=task.places & _BELOW, names=tuple(
             name for name in task.names if EFFECTS[name].location in _BELOW)), root
     found = neighbours(above, parent, above.names)
     likely = [one for one in found.near if accepted(trace.compared(

@@ -4,8 +4,8 @@
 Model discrepancy without a name: the best smooth terms in one place over one variable.
 
 A table is a hypothesis as any other: its ten values have priors, so that its evidence pays for
-them, and blocks that are left out tell whether it foresees anything. (M. Kennedy and A. O'Hagan,
-J. R. Statist. Soc. B 63 (2001) 425.)
+them, and its gain must not rest on a single block. (M. Kennedy and A. O'Hagan, J. R. Statist. Soc.
+B 63 (2001) 425.)
 """
 
 from collections.abc import Callable

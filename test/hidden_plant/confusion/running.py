@@ -129,7 +129,7 @@ def run_cell(cell: Cell, folder: Path) -> Result:
 
 def last_decision(text: str) -> int:
     """Return the number of the last decision on the page of decisions; ValueError if none."""
-    return max(int(number) for number in re.findall(r'^([0-9]+)\. ', text, re.MULTILINE))
+    return max(int(number) for number in re.findall(r'^\*\*([0-9]+)\. ', text, re.MULTILINE))
 
 
 def _error(report: dict, stage: str) -> float:
