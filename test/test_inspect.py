@@ -36,7 +36,7 @@ def test_it_says_what_a_file_holds_writes_a_mapping_and_reads_with_it(folder, ca
     mapping = folder / 'export.map.yaml'
     written = mapping.read_text()
     assert inspect.main(['export.csv']) == 2  # it is there: it is read, and asks
-    assert 'the unit of the time is not known' in capsys.readouterr().err
+    assert 'is in per cent of the travel, which is not known' in capsys.readouterr().err
     assert mapping.read_text() == written
     mapping.write_text(written.replace('unit: "?"', 'unit: s') + 'travel: 20 mm\n')
     assert inspect.main(['export.csv', '--csv', 'record.csv', '--plot', 'look.html']) == 0

@@ -141,14 +141,11 @@ def test_parquet_and_feather(tmp_path, form):
         read_record(path)
 
 
-def test_a_workbook_with_a_title_units_and_dates(tmp_path):
+def test_a_workbook_with_units_and_dates(tmp_path):
     openpyxl = pytest.importorskip('openpyxl')
     book = openpyxl.Workbook()
     sheet = book.active
-    sheet.append(['Valve 7'])
-    sheet.append([])
-    sheet.append(['Date', 'P act', 'Travel'])
-    sheet.append([None, 'kPa', '%'])
+    sheet.append(['Date', 'P act [kPa]', 'Travel [%]'])
     for t, _, p, x in rows():
         sheet.append([datetime(2024, 5, 1) + timedelta(seconds=t),
                       'Bad' if t == 7 else p / 1000, 100 * x / TRAVEL])

@@ -219,7 +219,7 @@ def test_a_model_without_solution_ends_a_run_and_is_no_bad_parameter(tmp_path):
     source = write(tmp_path / 'in.csv', 'time,control_current\n0,0.0006\n1,0.0006\n')
     p = from_values({'actuator.dead_volume': 1e-9})
     with kept_interruption() as check, pytest.raises(RunError, match='no solution'):
-        program.run(p, input_rows.CsvRows(source), tmp_path / 'out.csv', check)
+        program.run(p, input_rows.CsvRows(source, 'control_current'), tmp_path / 'out.csv', check)
 
 
 @pytest.mark.parametrize('portion', [1, 100])

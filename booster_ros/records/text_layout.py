@@ -137,13 +137,13 @@ def _first_data(rows: Sequence[Sequence[str]], width: int) -> int:
 
 def _header(rows: Sequence[Sequence[str]], width: int) -> int:
     """Return the number of the line that names the columns, 0 for none."""
-    for number, row in enumerate(rows, 1):
-        cells = _uncommented(row)
-        named = [cell for cell in cells if cell]
-        # a row of data may end in a delimiter that the header lacks
-        if len(cells) in (width, width - 1) and len(named) >= max(1, 0.5 * len(cells)) and not (
-                is_data(named)):
-            return number
+    # a row of data may end in a delimiter that the header lacks; a title of one cell is no header
+    for long in (width, max(width - 1, 2)):
+        for number, row in enumerate(rows, 1):
+            cells = _uncommented(row)
+            named = [cell for cell in cells if cell]
+            if len(cells) == long and len(named) >= max(1, 0.5 * len(cells)) and not is_data(named):
+                return number
     for number in range(len(rows), 0, -1):  # shorter than the rows, but nearest to them
         named = [cell for cell in rows[number - 1] if cell]
         if len(named) > 1 and len(named) >= 0.5 * width and not is_data(named):

@@ -211,7 +211,7 @@ def _json_frames(text: io.TextIOWrapper, source: str, size: int) -> Iterator[Any
             return
         try:
             yield pd.read_json(io.StringIO(''.join(lines)), lines=True, dtype=False,
-                               convert_dates=False, precise_float=True)
+                               precise_float=True)
         except ValueError as error:
             raise RecordError(f'{source}, row {row} or below: is not one JSON object a line '
                               f'({" ".join(str(error).split())[:80]})') from None
