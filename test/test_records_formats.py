@@ -141,22 +141,12 @@ def test_parquet_and_feather(tmp_path, form):
         read_record(path)
 
 
-def test_a_workbook_with_units_and_dates(tmp_path):
+def test_a_sheet_that_a_workbook_lacks_is_named_with_those_it_has(tmp_path):
     openpyxl = pytest.importorskip('openpyxl')
     book = openpyxl.Workbook()
-    sheet = book.active
-    sheet.append(['Date', 'P act [kPa]', 'Travel [%]'])
-    for t, _, p, x in rows():
-        sheet.append([datetime(2024, 5, 1) + timedelta(seconds=t),
-                      'Bad' if t == 7 else p / 1000, 100 * x / TRAVEL])
     book.create_sheet('notes').append(['nothing', 'here'])
     path = tmp_path / 'a.xlsx'
     book.save(path)
-    record = mapped(path)
-    assert np.flatnonzero(np.isnan(record['chamber_pressure'])).tolist() == [7]
-    assert record['chamber_pressure'][1] == 22e3
-    np.testing.assert_allclose(record['valve_position'], COLUMNS['valve_position'], atol=1e-12)
-    np.testing.assert_allclose(record['time'], COLUMNS['time'])
     with pytest.raises(RecordError, match="has no sheet 'data'; it has Sheet, notes"):
         read_record(path, mapping=given(
             tmp_path, 'file: {sheet: data}\ncolumns: {chamber_pressure: P act}'))

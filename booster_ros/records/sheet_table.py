@@ -23,7 +23,7 @@ PORTION = 50_000
 _LARGEST = 1 << 31
 """Bytes of the largest workbook, unpacked."""
 
-_SEPARATOR = '\x1f'
+_SEPARATOR = '\x01'  # no white space, which '\x1f' is
 
 
 def open_sheet(source: str, layout: Layout) -> Table:
