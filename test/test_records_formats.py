@@ -8,7 +8,7 @@ import gzip
 import json
 import lzma
 
-from made_foreign import TRAVEL, given, lines, mapped, mapping_in, rows, write
+from made_foreign import given, lines, mapped, mapping_in, rows, write
 import numpy as np
 import pytest
 
