@@ -56,7 +56,7 @@ def fit_at(problem: Problem, z: Array, jacobian: Array | None = None) -> Fit:
     here = problem.residuals(z)
     slopes = problem.jacobian(z, here) if jacobian is None else jacobian
     p = problem.parameters(z)
-    return Fit(problem.freedoms, z, p, problem.initial(z, p), float(here @ here), here, slopes)
+    return Fit(problem.freedoms, z, p, problem.initial(z, p), float(np.sum(here**2)), here, slopes)
 
 
 def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALUATIONS,
