@@ -12,8 +12,9 @@ PACKAGE = ROOT / 'booster_ros'
 
 MAY_IMPORT = {
     'model': set(),
-    'records': {'model'},
-    'parameters': {'model'},
+    'writing': set(),
+    'records': {'model', 'writing'},
+    'parameters': {'model', 'writing'},
     'control': {'model', 'records', 'parameters'},
     'diagnosis/experiment': {'model', 'records'},
     'diagnosis/fitting': {'model', 'diagnosis/experiment'},
@@ -22,10 +23,10 @@ MAY_IMPORT = {
     'diagnosis': {'model', 'records', 'diagnosis/experiment', 'diagnosis/fitting',
                   'diagnosis/preparing', 'diagnosis/searching'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
-    'paper': {'model', 'records', 'diagnosis/fitting'},
+    'paper': {'model', 'records', 'diagnosis/fitting', 'writing'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'parameters', 'control'},
-    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
+    'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'writing'},
     'benchmark': {'model', 'records', 'programs'},
 }
 """For each folder the others that it may import, with all that lies in them."""

@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from io import TextIOWrapper
 import os
 from pathlib import Path
-import shutil
 import sys
 from typing import Any
 
@@ -32,6 +31,8 @@ from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
 from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
+from ..writing import unfinished
+from ..writing.replacement import keep, replace_all
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
 from .path_argument import given_path
@@ -40,8 +41,8 @@ from .progress_bar import ProgressBar
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
 
-WORKING = '.close_loop.'
-"""How the name of the folder begins in which these are made, beside that of the result."""
+WORKING = 'close_loop'
+"""What the name of the folder has in it in which these are made, in or above that of the result."""
 
 SEED = 1
 
@@ -56,7 +57,7 @@ def main(args: Sequence[str] | None = None) -> int:
         print(f'close_loop: {error}', file=sys.stderr)
         return 2
     except OSError as error:
-        hidden = WORKING in str(error.filename or '')
+        hidden = f'.{WORKING}.' in str(error.filename or '')
         place = options.out if hidden else error.filename or options.out
         print(f'close_loop: {place}: {error.strerror}', file=sys.stderr)
         return 2
@@ -76,10 +77,11 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
     check_declared(declared, str(options.params))
-    (record, experiment, notes), *others = _experiments(options, declared)
-    with _output_folder(options.out) as folder:
-        _tell_notes(options, [notes, *(more for _, _, more in others)])
+    with _output_folder(options.out) as folder:  # asked first: the search may take minutes
+        records = _records(options)
         announce_compilation()
+        (record, experiment, notes), *others = _experiments(options, records, declared)
+        _tell_notes(options, [notes, *(more for _, _, more in others)])
         with _progress(check) as tell:
             try:
                 diagnosis = diagnose(experiment, declared, tell, notes)
@@ -161,10 +163,8 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def _experiments(
-    options: argparse.Namespace, declared: PositionerParameters
-) -> list[tuple[Record, Experiment, tuple[str, ...]]]:
-    """Return the record with its experiment and notes, then those of the other one if given."""
+def _records(options: argparse.Namespace) -> list[Record]:
+    """Return the record, then the other one if given; RecordError where the options do not fit."""
     records = [
         read_record(path, dict(options.topics), options.stamps) for path in _given(options)]
     if options.dwell and all('time' in record for record in records):
@@ -172,6 +172,13 @@ def _experiments(
     if len(records) > 1 and records[0].has_rows_of(records[1]):
         raise RecordError(f'{options.validation}: has the rows of the record itself; --validation '
                           'takes another one')
+    return records
+
+
+def _experiments(
+    options: argparse.Namespace, records: Sequence[Record], declared: PositionerParameters
+) -> list[tuple[Record, Experiment, tuple[str, ...]]]:
+    """Return each record with its experiment and notes."""
     experiments = [prepare(record, declared, options.dwell) for record in records]
     return [(record, experiment, (*record.notes, *experiment.notes))
             for record, experiment in zip(records, experiments, strict=True)]
@@ -220,17 +227,16 @@ def _output_folder(out: Path) -> Iterator[Path]:
     nearest = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
     if not nearest.is_dir():
         raise RecordError(f'{nearest}: is not a folder')
-    work = nearest / f'{WORKING}{os.getpid()}'
-    try:  # before the folder exists: an interruption may come the moment it does
-        shutil.rmtree(work, ignore_errors=True)  # left by a killed process of this number
-        work.mkdir()
+    with unfinished.folder(nearest / WORKING) as work:
+        earlier = work / 'earlier'
+        earlier.mkdir()
+        for name in WRITTEN:
+            if keep(out / name, earlier / name):  # what cannot be kept cannot be replaced either
+                (earlier / name).unlink()
         yield work
         out.mkdir(parents=True, exist_ok=True)
         ignore_interruptions()  # the files of a result are all new, or none is
-        for name in WRITTEN:
-            os.replace(work / name, out / name)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
+        replace_all(work, out, WRITTEN, earlier)
 
 
 def _check_paths(options: argparse.Namespace) -> None:
