@@ -13,6 +13,7 @@ import functools
 import hashlib
 import importlib
 import importlib.util
+import inspect
 from pathlib import Path
 import sys
 import types
@@ -109,7 +110,8 @@ def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, A
         # in the order of the file: numba looks up what a function calls when it compiles it, at
         # its first call, and by then the namespace holds the compiled versions of all
         for key, value in own.items():
-            twin = types.FunctionType(value.__code__, names, key, value.__defaults__)
+            code = inspect.unwrap(value).__code__  # what plain Python is guarded by it needs not
+            twin = types.FunctionType(code, names, key, value.__defaults__)
             twin.__module__ = module.__name__
             twin.__qualname__ = value.__qualname__
             names[key] = njit(nogil=True, cache=cache, error_model='numpy',

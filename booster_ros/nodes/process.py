@@ -17,6 +17,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
+from ..legible import legible
 from ..model.parameters import ParameterError
 from ..parameters.sections import files_on, read_sections
 from ..run_error import RunError
@@ -134,7 +135,7 @@ def _tear_down(executor: SingleThreadedExecutor) -> None:
 
 
 def _complain(name: str, sentence: str) -> int:
-    print(f'{name}: {sentence}', file=sys.stderr)
+    print(f'{name}: {legible(sentence)}', file=sys.stderr)
     return BAD_INPUT
 
 

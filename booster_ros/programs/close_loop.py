@@ -22,6 +22,7 @@ from ..diagnosis.preparing.preparation import prepare
 from ..diagnosis.preparing.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.validation import validated
+from ..legible import legible
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
@@ -31,12 +32,14 @@ from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
 from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
+from ..surroundings import INTERRUPTED
 from ..writing import unfinished
 from ..writing.replacement import keep, replace_all
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
 from .path_argument import given_path
 from .progress_bar import ProgressBar
+from .telling import complain
 
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
@@ -50,24 +53,24 @@ SEED = 1
 def main(args: Sequence[str] | None = None) -> int:
     """Diagnose a record and write the report; return the exit status."""
     options = _parser().parse_args(args)
-    try:
-        with kept_interruption() as check:
+    with kept_interruption() as check:
+        try:
             diagnosis = _close_loop(options, check)
-    except (ParameterError, RecordError) as error:
-        print(f'close_loop: {error}', file=sys.stderr)
-        return 2
-    except OSError as error:
-        hidden = f'.{WORKING}.' in str(error.filename or '')
-        place = options.out if hidden else error.filename or options.out
-        print(f'close_loop: {place}: {error.strerror}', file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print('close_loop: interrupted, nothing was written', file=sys.stderr)
-        return 130
+        except (ParameterError, RecordError) as error:
+            complain('close_loop', error)
+            return 2
+        except OSError as error:
+            hidden = f'.{WORKING}.' in str(error.filename or '')
+            place = options.out if hidden else error.filename or options.out
+            complain('close_loop', f'{place}: {error.strerror}')
+            return 2
+        except KeyboardInterrupt:
+            complain('close_loop', 'interrupted, nothing was written')
+            return INTERRUPTED
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors='replace')  # not every terminal knows a thin space
     print(f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis), sep='\n  ')
-    print(f'Report: {_legible(options.out / "report.html")}')
+    print(f'Report: {legible(options.out / "report.html")}')
     return 0
 
 
@@ -96,7 +99,7 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
                     diagnosis, options.calibrate,
                     SEED if options.seed is None else options.seed, tell)
         _write(folder, diagnosis, Provenance(*map(
-            _legible, (options.record, options.params, options.validation or ''))), given.node)
+            legible, (options.record, options.params, options.validation or ''))), given.node)
         check()
     return diagnosis
 
@@ -188,7 +191,7 @@ def _tell_notes(options: argparse.Namespace, notes: Sequence[Sequence[str]]) -> 
     """Print the notes on each record before minutes go into it; the report has them as well."""
     for path, sentences in zip(_given(options), notes, strict=True):
         for sentence in sentences:
-            print(f'{_legible(path)}: {sentence}', file=sys.stderr, flush=True)
+            complain(str(path), sentence)
 
 
 def _given(options: argparse.Namespace) -> list[Path]:
@@ -198,7 +201,7 @@ def _given(options: argparse.Namespace) -> list[Path]:
 
 def _useless(option: str, purpose: str, options: argparse.Namespace) -> str:
     """Return the sentence about an option that fits none of the records given."""
-    names = [_legible(path) for path in _given(options)]
+    names = [legible(path) for path in _given(options)]
     verb = 'is' if len(names) == 1 else 'are'
     return f'{option} is for {purpose}, and {" and ".join(names)} {verb} none'
 
@@ -257,11 +260,6 @@ def _check_options(options: argparse.Namespace) -> None:
     for option, wanted in asked.items():
         if wanted and not any(map(is_bag, _given(options))):
             raise RecordError(_useless(option, 'a bag', options))
-
-
-def _legible(path: Path | str) -> str:
-    """Return a path as text; bytes in it that are no UTF-8 become question marks."""
-    return os.fsencode(path).decode('utf-8', 'replace')
 
 
 def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance, node: Mapping[str, Any]

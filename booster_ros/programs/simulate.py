@@ -22,10 +22,12 @@ from ..records import (
     iterate_csv)
 from ..records.holding import last_known
 from ..run_error import RunError
+from ..surroundings import INTERRUPTED
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
 from .path_argument import given_path
 from .progress_bar import ProgressBar
+from .telling import complain
 
 INPUT = ('time', 'control_current')
 INITIAL = ('chamber_pressure', 'valve_position')
@@ -44,15 +46,15 @@ OUTPUT = {
 def main(args: Sequence[str] | None = None) -> int:
     """Simulate a file into another; return the exit status."""
     options = _parser().parse_args(args)
-    try:
-        with kept_interruption() as check:
+    with kept_interruption() as check:
+        try:
             _simulate(options, check)
-    except (ParameterError, RecordError, RunError) as error:
-        print(f'simulate: {error}', file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print('simulate: interrupted, nothing was written', file=sys.stderr)
-        return 130
+        except (ParameterError, RecordError, RunError) as error:
+            complain('simulate', error)
+            return 2
+        except KeyboardInterrupt:
+            complain('simulate', 'interrupted, nothing was written')
+            return INTERRUPTED
     return 0
 
 
@@ -61,7 +63,7 @@ def _simulate(options: argparse.Namespace, check: Callable[[], None]) -> None:
     parameters = from_values(read_parameter_file(options.params).physical)
     _check_columns(options.input)
     for note in csv_header_notes(options.input):
-        print(f'{options.input}: {note}', file=sys.stderr, flush=True)
+        complain(str(options.input), note)
     announce_compilation()
     run(parameters, options.input, options.out, check)
 

@@ -27,7 +27,7 @@ class Replacement:
         self.target = target
         """The place that it will take."""
         self._unfinished, descriptor = make_file(target)
-        self._file = open(descriptor, 'wb')
+        self._file = os.fdopen(descriptor, 'wb')
 
     def write(self, data: bytes) -> None:
         """Append."""
