@@ -160,6 +160,8 @@ class Plant:
     def readings(self) -> tuple[float, float]:
         """Return what the sensors read now: pressure, Pa gauge, and position, m; NaN if lost."""
         p, time, y = self._parameters, self.time, self._y
+        if self.is_lost:  # sensors that lag still have a number
+            return math.nan, math.nan
         try:
             force = booster_force(p, time, self._seen, y)
             return readings(p, time, self._seen, y, self._memory, force)

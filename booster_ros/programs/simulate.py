@@ -16,6 +16,7 @@ from ..model.parameters import ParameterError, from_values
 from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
+from ..model.undefined import UNDEFINED
 from ..parameters.file import read_parameter_file
 from ..records import (
     CsvWriter, RecordError, check_inputs_stay, csv_columns, csv_header_notes, first_row,
@@ -103,9 +104,12 @@ def run(
         CsvWriter(target, tuple(OUTPUT)) as writer,
     ):
         begin, current, initial = _first_row(source)
-        state, departure = start_of_readings(parameters, 0.0, current, initial)
-        # what depends on time (drift, ripple) begins where the record begins
-        stream = Stream(parameters, 0.0, current, state, departure=departure)
+        try:
+            state, departure = start_of_readings(parameters, 0.0, current, initial)
+            # what depends on time (drift, ripple) begins where the record begins
+            stream = Stream(parameters, 0.0, current, state, departure=departure)
+        except UNDEFINED:
+            raise RunError('with these parameters the model has no state to start from') from None
         ahead: tuple[np.ndarray, Future[dict[str, np.ndarray]]] | None = None
         for time, currents in _portions(source):
             # machine code needs no interpreter: meanwhile the portion before is written
