@@ -14,7 +14,7 @@ import numpy as np
 
 from booster_ros.records.clock import check_clock
 from booster_ros.records.csv_digits import fixed_lines
-from booster_ros.records.csv_header import Header, read_header
+from booster_ros.records.csv_header import LONGEST_LINE, Header, read_header
 from booster_ros.records.csv_text import line_blocks, parse_block
 from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
 from booster_ros.records.target import replaced_by
@@ -95,7 +95,7 @@ def first_row(path: str | os.PathLike[str], columns: Sequence[str]) -> Chunk:
     source = str(path)
     with _opened(path) as (header, file):
         wanted = _wanted(header, columns, source)
-        for chunk in _chunks(wanted, BytesIO(_to_first_row(file)), source):
+        for chunk in _chunks(wanted, BytesIO(_to_first_row(file, source)), source):
             return chunk
         raise _without_rows(source)
 
@@ -109,10 +109,10 @@ def _wanted(header: Header, columns: Sequence[str], source: str) -> Header:
         header, positions={name: header.positions[name] for name in columns}, defects=())
 
 
-def _to_first_row(file: BinaryIO) -> bytes:
+def _to_first_row(file: BinaryIO, source: str) -> bytes:
     """Return the rest of a file as far as its first line that is not blank."""
     blank = b''
-    for block in line_blocks(file):
+    for block in line_blocks(file, source):
         text = block.lstrip()
         if text:
             return blank + block[:block.index(b'\n', len(block) - len(text)) + 1]
@@ -128,7 +128,7 @@ def _without_rows(source: str) -> RecordError:
 def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Header, BinaryIO]]:
     try:
         with open(path, 'rb') as file:
-            first_line = file.readline()
+            first_line = file.readline(LONGEST_LINE + 1)
             if b'\r' in first_line.rstrip(b'\r\n'):
                 first_line = first_line.split(b'\r', 1)[0] + b'\r'
                 file.seek(len(first_line))
@@ -141,7 +141,7 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Header, BinaryIO]]:
 
 def _chunks(header: Header, file: BinaryIO, source: str) -> Iterator[Chunk]:
     first_row = 2
-    for block in line_blocks(file):
+    for block in line_blocks(file, source):
         rows, values = parse_block(block, first_row, header, source)
         first_row += block.count(b'\n')
         if rows.size:

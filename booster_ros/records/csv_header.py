@@ -10,6 +10,12 @@ import re
 from booster_ros.records.record import (
     COLUMNS, UNKNOWN_COLUMN, Defect, RecordError)
 
+LONGEST_LINE = 1_000_000
+"""Bytes of a line; a table of a thousand columns has 20 kB."""
+
+_LONGEST_NAME = 100
+"""Characters of a name that may mean a column."""
+
 _BYTE_ORDER_MARK = b'\xef\xbb\xbf'
 _OTHER_ENCODINGS = {
     b'\xff\xfe': 'UTF-16',
@@ -52,6 +58,8 @@ class Header:
 
 def read_header(line: bytes, source: str) -> Header:
     """Return the layout that the first line declares; RecordError where it declares none."""
+    if len(line) > LONGEST_LINE:
+        raise RecordError(f'{source}, row 1: is longer than {LONGEST_LINE} bytes')
     text = _decode(line, source).rstrip('\r\n')
     delimiter = max(',;\t', key=text.count)
     try:
@@ -102,25 +110,29 @@ def _normalised(cell: str) -> str:
 def _without_unit(cell: str, source: str) -> str:
     """Return the name of a column without the unit behind it, which must be that in `COLUMNS`."""
     name = _normalised(cell)
+    if len(name) > _LONGEST_NAME:
+        return name
     parts = re.fullmatch(r'(\w+?)_*[\[(](.*)[\])]', name)
     if parts is None or parts[1] not in COLUMNS:
         return name
     unit = COLUMNS[parts[1]].unit
     if parts[2].strip('_') != unit.lower():
         raise RecordError(
-            f'{source}, row 1: column {cell.strip()!r} must be in {unit}: convert it and call it '
+            f'{source}, row 1: column {cell.strip()[:_LONGEST_NAME]!r} must be in {unit}: convert it and call it '
             f'{parts[1]}')
     return parts[1]
 
 
 def _ignored(cell: str, place: int) -> Defect:
-    label = cell.strip() or f'number {place + 1}'
+    label = cell.strip()[:_LONGEST_NAME] or f'number {place + 1}'
     treatment = f'not a column of a record, ignored{_question(cell)}'
     return Defect(UNKNOWN_COLUMN, label, 1, 1, 1, treatment)
 
 
 def _question(cell: str) -> str:
     """Return the question whether a known column of a similar name is meant, '' without one."""
+    if len(cell) > _LONGEST_NAME:
+        return ''
     near = difflib.get_close_matches(_normalised(cell), COLUMNS, n=1, cutoff=0.75)
     return f' (is it {near[0]}?)' if near else ''
 
@@ -133,9 +145,9 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
     other columns of a bench, as the number of the row or a set point, may rise as evenly.
     """
     for cell in cells:
-        words = re.findall('[a-z]+', _normalised(cell))
+        words = re.findall('[a-z]+', _normalised(cell[:_LONGEST_NAME]))
         if _TIME_IN_FIRST_PLACE & set(words[:1]) or any(map(_TIME_IN_ANY_PLACE.fullmatch, words)):
             raise RecordError(
-                f'{source}, row 1: column {cell.strip()!r} looks like the time; call it time, in '
+                f'{source}, row 1: column {cell.strip()[:_LONGEST_NAME]!r} looks like the time; call it time, in '
                 'seconds, or leave it out'
             )

@@ -14,20 +14,37 @@ from typing import BinaryIO
 
 import numpy as np
 
-from booster_ros.records.csv_header import Header
+from booster_ros.records.csv_header import LONGEST_LINE, Header
 from booster_ros.records.record import Array, RecordError
 
 _BLOCK_BYTES = 4 << 20
 _MISSING = frozenset({'', 'nan', 'na', 'n/a', 'null', 'none'})
 
 
-def line_blocks(file: BinaryIO) -> Iterator[bytes]:
-    """Yield the rest of a file in blocks of whole lines that end in a line feed."""
-    while block := file.read(_BLOCK_BYTES):
-        block += file.readline()
-        if b'\r' in block:
-            block = block.replace(b'\r\n', b'\n').replace(b'\r', b'\n')
-        yield block if block.endswith(b'\n') else block + b'\n'
+def line_blocks(file: BinaryIO, source: str) -> Iterator[bytes]:
+    """
+    Yield the rest of a file in blocks of whole lines that end in a line feed.
+
+    RecordError where a line is longer than `LONGEST_LINE` bytes: it would be kept whole in memory.
+    """
+    left = b''
+    while data := file.read(_BLOCK_BYTES):
+        rest = file.readline(LONGEST_LINE + 1)
+        block, left = left + data + rest, b''
+        if len(rest) > LONGEST_LINE:  # no line feed: lines may end in carriage returns alone
+            end = block.rfind(b'\r', 0, -1) + 1
+            if end < len(block) - LONGEST_LINE:
+                raise RecordError(f'{source}: a line is longer than {LONGEST_LINE} bytes')
+            block, left = block[:end], block[end:]
+        yield _with_line_feeds(block)
+    if left:
+        yield _with_line_feeds(left)
+
+
+def _with_line_feeds(block: bytes) -> bytes:
+    if b'\r' in block:
+        block = block.replace(b'\r\n', b'\n').replace(b'\r', b'\n')
+    return block if block.endswith(b'\n') else block + b'\n'
 
 
 def parse_block(block: bytes, first_row: int, header: Header, source: str) -> tuple[Array, Array]:
