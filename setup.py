@@ -23,7 +23,8 @@ setup(
     ],
     install_requires=['setuptools'],
     # By this colcon knows that the tests are pytest's.
-    extras_require={'test': ['pytest']},
+    # Bags are read and written by rosbags, which is in no distribution's packages.
+    extras_require={'test': ['pytest'], 'bags': ['rosbags']},
     python_requires='>=3.10',
     zip_safe=False,
     maintainer='The booster_ros authors',

@@ -9,7 +9,7 @@ from launch_ros.substitutions import FindPackageShare
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Include positioner.launch.py twice; params_file and use_sim_time hold for both."""
+    """Include positioner.launch.py twice; params_file, log_level and use_sim_time hold for both."""
     actions = []
     for argument, default in (('first_namespace', 'valve_1'), ('second_namespace', 'valve_2')):
         actions += [

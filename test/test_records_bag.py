@@ -15,6 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from booster_ros.records import RecordError, bag_limits, read_record
 from booster_ros.records.bag_writer import STORAGE, BagWriter
+from booster_ros.records.recording import Recording
 from booster_ros.records.time_base import Signal, merge, to_nearest_rows
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -442,4 +443,11 @@ def test_a_bag_on_a_full_disk_is_refused_and_nothing_is_left(tmp_path, storage):
             fill()
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_what_writes_bags_it_is_said_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, 'booster_ros.records.bag_writer', None)
+    with pytest.raises(RecordError, match=r'record: writing a bag needs .* pip install rosbags'):
+        Recording(str(tmp_path / 'out.csv'), str(tmp_path / 'record'), 'mcap', {})
     assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,7 @@ from pathlib import Path
 from booster_ros.records.cleaning import clean
 from booster_ros.records.csv_file import (
     CsvWriter, csv_columns, csv_header_notes, first_row, iterate_csv, read_csv)
-from booster_ros.records.record import COLUMNS, Defect, Record, RecordError
+from booster_ros.records.record import COLUMNS, Defect, Record, RecordError, needs_rosbags
 from booster_ros.records.target import check_inputs_stay
 
 __all__ = [
@@ -42,9 +42,7 @@ def read_record(
         try:
             from booster_ros.records.bag_reader import read_bag
         except ModuleNotFoundError as missing:
-            raise RecordError(
-                f'{path}: reading a bag needs the Python package {missing.name}, which is not '
-                'installed') from None
+            raise needs_rosbags(f'{path}: reading a bag', missing) from None
         return clean(*read_bag(path, topics, stamps))
     columns, rows, defects = read_csv(path)
     return clean(columns, rows, str(path), defects)
