@@ -100,7 +100,7 @@ def test_what_is_imported_is_declared_and_nothing_else():
 
 
 def test_a_release_depends_on_nothing_that_pip_installs():
-    """rosdep's keys of such packages end in -pip; the build farm refuses them."""
+    """Rosdep's keys of such packages end in -pip; the build farm refuses them."""
     keys = {element.text for element in manifest() if element.tag.endswith('depend')}
     assert 'rclpy' in keys
     assert [key for key in keys if key.endswith('-pip')] == []

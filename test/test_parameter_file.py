@@ -261,7 +261,7 @@ def test_which_sections_are_for_a_node(name, node, matches):
     ('\n'.join(f'n{k}: {{ros__parameters: {{}}}}' for k in range(1001)), 'has 1001 sections'),
     (section('a: 1', '/**' * 335), 'line 1: a name is longer than 1000 characters'),
     (section(f'{"a" * 900}: 1'), r'line 3: there is no parameter a{60}\.\.\.$'),
-])
+], ids=['bytes', 'sections', 'section', 'name'])
 def test_what_would_take_for_ever_to_read_is_refused(file, text, sentence):
     with pytest.raises(ParameterError, match=sentence):
         read_parameter_file(file(text))

@@ -382,7 +382,7 @@ ALIASES = 'a0: &a0 [x, x]\n' + ''.join(
 @pytest.mark.parametrize(('text', 'says'), [
     (ALIASES, r'metadata\.yaml has an alias \(\*name\) in line 2'),
     ('x' * 2_000_001, r'metadata\.yaml has more than 2000000 bytes'),
-])
+], ids=['aliases', 'bytes'])
 def test_metadata_that_no_recorder_writes_are_refused(tmp_path, text, says):
     bag = write_bag(tmp_path / 'record', plain_messages())
     (bag / 'metadata.yaml').write_text(text)

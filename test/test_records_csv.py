@@ -203,7 +203,7 @@ def test_blocks_of_a_long_file_join_seamlessly(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize('cell', ['_' * 100_000, 'chamber_pressure' + '_' * 100_000 + '[',
-                                  'pressure ' * 10_000])
+                                  'pressure ' * 10_000], ids=['', 'unit', 'words'])
 def test_a_long_cell_in_the_header_is_no_column_and_takes_no_time(tmp_path, cell):
     lines = good_lines()
     record = read_lines(tmp_path, [f'{lines[0]},{cell}', *(f'{line},1' for line in lines[1:])])
@@ -213,7 +213,8 @@ def test_a_long_cell_in_the_header_is_no_column_and_takes_no_time(tmp_path, cell
 
 
 @pytest.mark.parametrize('text', [
-    b'time,' + b'x' * 1_000_001, b'time,valve_position\n0,0.001\n1,' + b'0' * 6_000_000])
+    b'time,' + b'x' * 1_000_001, b'time,valve_position\n0,0.001\n1,' + b'0' * 6_000_000],
+    ids=['header', 'row'])
 def test_a_line_without_end_is_refused(tmp_path, text):
     with pytest.raises(RecordError, match='longer than 1000000 bytes'):
         read_record(write(tmp_path, text))

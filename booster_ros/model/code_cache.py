@@ -139,7 +139,7 @@ def _sealed_files(base: Any) -> Any:
         def _load_data(self, name: str) -> Any:
             content = self._unsealed(self._data_path(name))
             if content is None:
-                raise OSError(f'{name} is damaged')  # which numba takes for a file that is not there
+                raise OSError(f'{name} is damaged')  # to numba as if it were not there
             return pickle.loads(content)
 
         def _save_data(self, name: str, data: Any) -> None:

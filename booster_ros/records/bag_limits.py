@@ -28,7 +28,7 @@ _EVENTS = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 
 
 def check_metadata(folder: Path) -> None:
-    """Raise RecordError where the metadata of a bag are no recorder's: too long, or with aliases."""
+    """Raise RecordError where the metadata of a bag are too long, or have aliases."""
     path = folder / 'metadata.yaml'
     with path.open('rb') as file:
         text = file.read(LARGEST_METADATA + 1)

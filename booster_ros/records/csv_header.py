@@ -103,6 +103,10 @@ def _decode(line: bytes, source: str) -> str:
     return text
 
 
+def _quoted(cell: str) -> str:
+    return repr(cell.strip()[:_LONGEST_NAME])
+
+
 def _normalised(cell: str) -> str:
     return cell.strip().lower().replace(' ', '_').replace('-', '_')
 
@@ -118,8 +122,8 @@ def _without_unit(cell: str, source: str) -> str:
     unit = COLUMNS[parts[1]].unit
     if parts[2].strip('_') != unit.lower():
         raise RecordError(
-            f'{source}, row 1: column {cell.strip()[:_LONGEST_NAME]!r} must be in {unit}: convert it and call it '
-            f'{parts[1]}')
+            f'{source}, row 1: column {_quoted(cell)} must be in {unit}: convert it and call '
+            f'it {parts[1]}')
     return parts[1]
 
 
@@ -148,6 +152,6 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
         words = re.findall('[a-z]+', _normalised(cell[:_LONGEST_NAME]))
         if _TIME_IN_FIRST_PLACE & set(words[:1]) or any(map(_TIME_IN_ANY_PLACE.fullmatch, words)):
             raise RecordError(
-                f'{source}, row 1: column {cell.strip()[:_LONGEST_NAME]!r} looks like the time; call it time, in '
-                'seconds, or leave it out'
+                f'{source}, row 1: column {_quoted(cell)} looks like the time; call it time, '
+                'in seconds, or leave it out'
             )
