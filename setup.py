@@ -20,6 +20,7 @@ setup(
         # what `ros2 param describe` and the configuration point to
         ('share/' + package_name + '/docs', glob('docs/*.md')),
         ('share/' + package_name + '/docs/images', glob('docs/images/*')),
+        ('share/' + package_name + '/examples', glob('examples/*.*')),
     ],
     install_requires=['setuptools'],
     # By this colcon knows that the tests are pytest's.
