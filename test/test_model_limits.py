@@ -159,6 +159,16 @@ def test_rows_behind_the_last_solution_are_no_numbers():
     assert (np.diff(known.astype(int)) <= 0).all()
 
 
+@pytest.mark.parametrize('values', [*UNDEFINED, {'ep_converter.dead_time': 0.137}])
+def test_machine_code_and_plain_python_end_at_the_same_row(values):
+    time = np.arange(100) * 1e-2
+    current = np.where(time < 0.5, 4e-4, 4.6e-4)
+    machine, plain = (simulate(from_values(values), time, current, compiled=compiled)
+                      for compiled in (True, False))
+    for name, column in machine.columns.items():
+        np.testing.assert_array_equal(plain[name], column, err_msg=name)
+
+
 def test_a_set_that_has_no_state_to_start_from_is_lost_at_once(monkeypatch):
     def undefined(*_):
         raise OverflowError('math range error')

@@ -9,7 +9,8 @@ import sys
 import pytest
 from ros_process import ROOT
 
-SOURCES = [ROOT / name for name in ('booster_ros', 'examples', 'launch', 'scripts', 'setup.py', 'test')]
+SOURCES = [ROOT / name for name in (
+    'booster_ros', 'examples', 'launch', 'scripts', 'setup.py', 'test')]
 HEADER = [
     '# Copyright 2026 The booster_ros authors',
     '# SPDX-License-Identifier: Apache-2.0',
