@@ -88,7 +88,7 @@ def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
     noise = 100.0 * np.random.default_rng(5).standard_normal((2, 300))
     record, again = (write(tmp_path / name, {
         'time': clock, 'chamber_pressure': run['chamber_pressure'] + one})
-        for name, one in zip((os.fsdecode(b'Pr\xfcfung.csv'), 'again.csv'), noise))
+        for name, one in zip((os.fsdecode(b'Pr\xfcfung\n\x1b.csv'), 'again.csv'), noise))
     node = {'publish_rate': 50.0, 'current_limits': (0.0, 0.022)}
     write_parameter_file(tmp_path / 'closed.yaml', closed, node=node)
     out = tmp_path / 'made' / 'here'
@@ -100,7 +100,8 @@ def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
     assert report['verdict'] == 'effect'
     assert report['effects'][0]['location'] == 'chamber'
     assert report['validation']['chamber_pressure']['after'] < 1.3 * 100.0
-    assert report['record']['file'] == str(tmp_path / 'Pr\ufffdfung.csv')  # no UTF-8
+    assert report['record']['file'] == str(
+        tmp_path / 'Pr\ufffdfung\\n\\x1b.csv')  # no UTF-8, a line feed, a control character
     assert str(out / 'report.html') in done.stdout
     written = read_parameter_file(out / 'positioner.yaml')
     assert written.node == node

@@ -18,6 +18,9 @@ from booster_ros.records.csv_header import LONGEST_LINE, Header
 from booster_ros.records.record import Array, RecordError
 
 _BLOCK_BYTES = 4 << 20
+_ODD_SPACES = (b'\xa0', b'\x85')
+"""Bytes that numpy takes for spaces and that are none in UTF-8: what is refused elsewhere is so."""
+
 _MISSING = frozenset({'', 'nan', 'na', 'n/a', 'null', 'none'})
 
 
@@ -80,7 +83,7 @@ def _parse_at_once(block: bytes, header: Header) -> Array | None:
 
 def _is_rectangular(block: bytes, header: Header) -> bool:
     """Tell whether every line has as many cells as the header; quotes take the slower way."""
-    if b'"' in block or not block.strip():
+    if b'"' in block or not block.strip() or any(space in block for space in _ODD_SPACES):
         return False
     characters = np.frombuffer(block, dtype=np.uint8)
     ends = np.flatnonzero(characters == ord('\n'))
