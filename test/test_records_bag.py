@@ -433,7 +433,7 @@ def test_a_compressed_message_that_is_cut_short_is_refused():
 def test_a_bag_on_a_full_disk_is_refused_and_nothing_is_left(tmp_path, storage):
     def fill():
         with BagWriter(tmp_path / 'record', ['/chamber_pressure'], storage) as writer:
-            for tick in range(100_000):
+            for tick in range(10_000):
                 writer.write('/chamber_pressure', 1.0, START + tick)
 
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
