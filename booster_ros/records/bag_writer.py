@@ -88,9 +88,8 @@ class BagWriter:
 
     def discard(self) -> None:
         """Remove what was written."""
-        # a full disk takes not even the last of it, and rosbags asserts that it is open
-        with suppress(*_FAILURES, AssertionError):
-            self._writer.close()
+        with suppress(*_FAILURES):  # a full disk takes not even the last of it
+            self._writer.abort()
         shutil.rmtree(self._folder, ignore_errors=True)
         with suppress(OSError):
             os.close(self._lock)
