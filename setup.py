@@ -21,11 +21,14 @@ setup(
         # what `ros2 param describe` and the configuration point to
         ('share/' + package_name + '/docs', glob('docs/*.md')),
         ('share/' + package_name + '/docs/images', glob('docs/images/*')),
+        ('share/' + package_name + '/examples', glob('examples/*.*')),
     ],
     install_requires=['setuptools'],
     # By this colcon knows that the tests are pytest's.
     extras_require={
         'test': ['pytest'],
+        # read and written by rosbags, which is in no distribution's packages
+        'bags': ['rosbags'],
         # files of others: units, workbooks, MATLAB 7.3, Parquet and Feather
         'files': ['h5py', 'openpyxl', 'pandas', 'pint', 'pyarrow'],
     },

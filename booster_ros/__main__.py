@@ -4,9 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from importlib import import_module
 import sys
+
+from .legible import legible
+from .surroundings import (
+    INTERRUPTED, EndAtOnce, complaint_on_output, ignore_signals, open_streams,
+    working_folder_is_there)
 
 # Name → (module with `main(args) -> int`, what it does). setup.py installs the same names.
 PROGRAMS = {
@@ -61,7 +67,8 @@ def main(args: list[str] | None = None) -> int:
     name, *rest = args
     if name not in PROGRAMS:
         known = ', '.join(PROGRAMS)
-        print(f"booster_ros: no program is called '{name}'; there are {known}", file=sys.stderr)
+        print(f"booster_ros: no program is called '{legible(name)}'; there are {known}",
+              file=sys.stderr)
         return 2
     return start(name, rest)
 
@@ -78,14 +85,41 @@ def start(name: str, args: list[str] | None = None) -> int:
         program = import_module(module)
     except KeyboardInterrupt:
         print(f'{name}: interrupted', file=sys.stderr)
-        return 0 if module.startswith('booster_ros.nodes') else 130
+        return _status_of_interrupted(name)
     return int(program.main(args))
+
+
+def _status_of_interrupted(name: str) -> int:
+    """Return the exit status of a program that was interrupted: nodes are ended in no other way."""
+    is_node = name in PROGRAMS and PROGRAMS[name][0].startswith('booster_ros.nodes')
+    return 0 if is_node else INTERRUPTED
+
+
+def in_a_process_of_its_own(name: str, run: Callable[[], int]) -> int:
+    """Return the exit status of what `run` does, whatever the process finds around it."""
+    open_streams()
+    if not working_folder_is_there():
+        print(f'{name}: the working folder has been deleted, change to another one',
+              file=sys.stderr)
+        return 2
+    EndAtOnce(name, _status_of_interrupted(name))
+    try:
+        status = run()
+    except SystemExit as end:  # argparse's
+        status = int(end.code or 0)
+    ignore_signals()
+    complaint = complaint_on_output()
+    if complaint:
+        print(f'{name}: {complaint}', file=sys.stderr)
+        return status or 2
+    return status
 
 
 # what setup.py installs
 positioner, fake_controller, simulate, inspect, close_loop, metrics, paper, demo, campaign = (
-    partial(start, name) for name in PROGRAMS)
+    partial(in_a_process_of_its_own, name, partial(start, name)) for name in PROGRAMS)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    asked = sys.argv[1] if sys.argv[1:2] and sys.argv[1] in PROGRAMS else 'booster_ros'
+    sys.exit(in_a_process_of_its_own(asked, main))

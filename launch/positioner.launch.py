@@ -26,6 +26,12 @@ def generate_launch_description() -> LaunchDescription:
                 'namespace', default_value='', description='namespace of the node and its topics'
             ),
             DeclareLaunchArgument(
+                'log_level',
+                default_value='info',
+                choices=['debug', 'info', 'warn', 'error', 'fatal'],
+                description='least severity of what nodes log',
+            ),
+            DeclareLaunchArgument(
                 'use_sim_time',
                 default_value='false',
                 choices=['true', 'false'],
@@ -37,7 +43,10 @@ def generate_launch_description() -> LaunchDescription:
                 name='positioner',
                 namespace=LaunchConfiguration('namespace'),
                 # not among `parameters`: a file that is not there would be passed over
-                ros_arguments=['--params-file', LaunchConfiguration('params_file')],
+                ros_arguments=[
+                    '--params-file', LaunchConfiguration('params_file'),
+                    '--log-level', LaunchConfiguration('log_level'),
+                ],
                 parameters=[
                     {
                         'use_sim_time': ParameterValue(

@@ -35,7 +35,10 @@ def generate_launch_description() -> LaunchDescription:
                 name='fake_controller',
                 namespace=LaunchConfiguration('namespace'),
                 # not among `parameters`: a file that is not there would be passed over
-                ros_arguments=['--params-file', LaunchConfiguration('controller_params_file')],
+                ros_arguments=[
+                    '--params-file', LaunchConfiguration('controller_params_file'),
+                    '--log-level', LaunchConfiguration('log_level'),
+                ],
                 parameters=[
                     {
                         'use_sim_time': ParameterValue(

@@ -14,13 +14,19 @@ from launch_ros.substitutions import FindPackageShare
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Include positioner.launch.py twice; params_file and use_sim_time hold for both."""
+    """Include positioner.launch.py twice; params_file, log_level and use_sim_time hold for both."""
     share = FindPackageShare('booster_ros')
     actions = [
         DeclareLaunchArgument(
             'params_file',
             default_value=PathJoinSubstitution([share, 'config', 'positioner.yaml']),
             description='ROS 2 parameter file of both positioners',
+        ),
+        DeclareLaunchArgument(
+            'log_level',
+            default_value='info',
+            choices=['debug', 'info', 'warn', 'error', 'fatal'],
+            description='least severity of what nodes log',
         ),
         DeclareLaunchArgument(
             'use_sim_time',

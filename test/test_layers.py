@@ -12,9 +12,10 @@ PACKAGE = ROOT / 'booster_ros'
 
 MAY_IMPORT = {
     'model': set(),
-    'records': {'model'},
+    'writing': set(),
+    'records': {'model', 'writing'},
     'faults': {'model'},
-    'parameters': {'model', 'faults'},
+    'parameters': {'model', 'faults', 'writing'},
     'control': {'model', 'records', 'parameters'},
     'signals': set(),
     'diagnosis/data': {'model', 'records', 'signals'},
@@ -30,13 +31,13 @@ MAY_IMPORT = {
                   'diagnosis/hypotheses', 'diagnosis/judging', 'diagnosis/selection'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
     'metrics': {'records'},
-    'paper': {'model', 'records', 'diagnosis/estimation'},
+    'paper': {'model', 'records', 'diagnosis/estimation', 'writing'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'faults', 'parameters', 'control'},
     'testing': {'model', 'parameters', 'nodes', 'programs'},
     'campaign': set(),  # judges the diagnosis as a program, of whatever state
     'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign',
-                 'metrics'},
+                 'metrics', 'writing'},
     'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing'},
 }
 """For each folder the others that it may import, with all that lies in them."""

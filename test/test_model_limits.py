@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whatever is allowed as a parameter or a current: no NaN, and pressures stay physical."""
 
+import math
+
 from hypothesis import HealthCheck, given, settings, strategies
 import numpy as np
 from positioner_runs import positioner, rows
 import pytest
 
-from booster_ros.model.simulation import simulate
+from booster_ros.model.outputs import Outputs
+from booster_ros.model.parameters import from_values
+from booster_ros.model.simulation import Plant, simulate
 
 # Ranges of real devices, much wider than any one of them.
 SIZES = {
@@ -120,3 +124,64 @@ def test_what_is_over_within_a_microsecond_is_followed(values):
         means.append(np.mean(run['chamber_pressure'][time > 2.5]))
     # not the ends: by then another slip may have begun, or not
     assert means[0] == pytest.approx(means[1], abs=500.0)
+
+
+UNDEFINED = (
+    # a seat that leaks like a burst pipe: pressures and temperatures below zero within a step
+    {'booster.supply_leak_area': 1e-3, 'supply.droop': 4.5e11},
+    {'booster.supply_leak_area': 1e-3, 'actuator.thermal_resistance': 0.0027},
+    {'actuator.dead_volume': 1e-9, 'actuator.thermal_resistance': 6958.8},
+    # a friction of tonnes on a chamber that empties at once: slips without end
+    {'actuator.friction_peak': 232487.76, 'tubing.restriction_area': 0.55,
+     'booster.exhaust_flow_force': 224.4},
+    {'actuator.friction_gradient': 1e6, 'actuator.viscous_friction': 4e8,
+     'actuator.stribeck_velocity': 0.06, 'ep_converter.nonlinearity_odd': -1e6},
+)
+
+
+@pytest.mark.parametrize('values', UNDEFINED)
+def test_where_plain_python_finds_no_solution_there_is_none_from_there_on(values):
+    """It raised math domain error, or took minutes for a second."""
+    plant = Plant(from_values(values), 1e-2)
+    lost = []
+    for _ in range(20):
+        plant.advance(2e-3, 10)
+        readings = plant.readings()
+        assert len(plant.outputs()) == len(Outputs._fields)
+        lost.append(not all(map(math.isfinite, readings)))
+    assert lost == sorted(lost)  # once lost, it stays so
+    assert plant.is_lost == lost[-1]
+    plant.parameters = from_values({})
+    plant.reset()
+    plant.advance(2e-3, 10)
+    assert all(map(math.isfinite, plant.readings()))
+
+
+def test_rows_behind_the_last_solution_are_no_numbers():
+    time = np.arange(40) * 1e-2
+    run = simulate(from_values(UNDEFINED[3]), time, np.full_like(time, 2e-3), compiled=False)
+    known = np.isfinite(run['chamber_pressure'])
+    assert known[0]
+    assert not known[-1]
+    assert (np.diff(known.astype(int)) <= 0).all()
+
+
+@pytest.mark.parametrize('values', [*UNDEFINED, {'ep_converter.dead_time': 0.137}])
+def test_machine_code_and_plain_python_end_at_the_same_row(values):
+    time = np.arange(100) * 1e-2
+    current = np.where(time < 0.5, 4e-4, 4.6e-4)
+    machine, plain = (simulate(from_values(values), time, current, compiled=compiled)
+                      for compiled in (True, False))
+    for name, column in machine.columns.items():
+        np.testing.assert_array_equal(plain[name], column, err_msg=name)
+
+
+def test_a_set_that_has_no_state_to_start_from_is_lost_at_once(monkeypatch):
+    def undefined(*_):
+        raise OverflowError('math range error')
+
+    monkeypatch.setattr('booster_ros.model.simulation.settled_state', undefined)
+    plant = Plant(from_values({}))
+    plant.advance(2e-3, 1)
+    assert plant.is_lost
+    assert not any(map(math.isfinite, plant.readings()))

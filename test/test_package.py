@@ -26,7 +26,6 @@ ROSDEP_KEYS = {
     'numba': 'python3-numba',
     'numpy': 'python3-numpy',
     'pandas': 'python3-pandas',
-    'rosbags': 'python3-rosbags-pip',
     'scipy': 'python3-scipy',
     'tqdm': 'python3-tqdm',
     'yaml': 'python3-yaml',
@@ -35,6 +34,8 @@ ROSDEP_KEYS = {
 PEERS = {'sksundae'}
 # Whoever names `booster_ros.testing.fixtures` in a test has it; nothing else imports it.
 OF_TESTS = {'pytest'}
+# For bags alone, and in no distribution's packages: a release cannot depend on what pip installs.
+EXTRAS = {'rosbags'}
 # Needed by the launch files, which name it in substitutions and commands only.
 NOT_IMPORTED = {'ros2launch'}
 
@@ -96,9 +97,19 @@ def imported_modules(folder: Path) -> set[str]:
 
 def test_what_is_imported_is_declared_and_nothing_else():
     imported = imported_modules(ROOT / 'booster_ros') | imported_modules(ROOT / 'launch')
-    foreign = imported - set(sys.stdlib_module_names) - {'booster_ros'} - PEERS - OF_TESTS
+    foreign = (imported - set(sys.stdlib_module_names) - {'booster_ros'} - PEERS - OF_TESTS
+               - EXTRAS)
     needed = {ROSDEP_KEYS.get(module, module) for module in foreign} | NOT_IMPORTED
     assert needed == {element.text for element in manifest().iter('exec_depend')}
+
+
+def test_a_release_depends_on_nothing_that_pip_installs():
+    """Rosdep's keys of such packages end in -pip; the build farm refuses them."""
+    keys = {element.text for element in manifest() if element.tag.endswith('depend')}
+    assert 'rclpy' in keys
+    assert [key for key in keys if key.endswith('-pip')] == []
+    assert {'website', 'repository', 'bugtracker'} == {
+        element.get('type') for element in manifest().iter('url')}
 
 
 def test_versions_agree():
@@ -199,3 +210,11 @@ def test_launch_files_describe_themselves(path):
     description = module['generate_launch_description']()
     assert isinstance(description, LaunchDescription)
     assert description.entities
+
+
+@pytest.mark.parametrize('path', launch_files(), ids=lambda path: path.name)
+def test_every_launch_file_takes_the_level_of_the_log(path):
+    text = path.read_text()
+    assert "LaunchConfiguration('log_level')" in text or "'positioner.launch.py'" in text
+    nodes = text.count('Node(\n')
+    assert text.count("'--log-level', LaunchConfiguration('log_level')") == nodes

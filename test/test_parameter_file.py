@@ -254,3 +254,26 @@ def test_a_file_is_written_completely_or_not_at_all(tmp_path, monkeypatch):
 ])
 def test_which_sections_are_for_a_node(name, node, matches):
     assert is_for(name, node) is matches
+
+
+@pytest.mark.parametrize(('text', 'sentence'), [
+    ('# ' + 'x' * 1_000_000, 'has more than 1000000 bytes, which no parameter file has'),
+    ('\n'.join(f'n{k}: {{ros__parameters: {{}}}}' for k in range(1001)), 'has 1001 sections'),
+    (section('a: 1', '/**' * 335), 'line 1: a name is longer than 1000 characters'),
+    (section(f'{"a" * 900}: 1'), r'line 3: there is no parameter a{60}\.\.\.$'),
+], ids=['bytes', 'sections', 'section', 'name'])
+def test_what_would_take_for_ever_to_read_is_refused(file, text, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        read_parameter_file(file(text))
+
+
+def test_a_file_without_end_is_refused():
+    with pytest.raises(ParameterError, match='/dev/zero: has more than 1000000 bytes'):
+        read_parameter_file('/dev/zero')
+
+
+def test_many_wildcards_are_matched_at_once():
+    """Tried one way after the other they would take longer than anybody waits."""
+    name = '/' + '/'.join('a' * 40) + '/positioner'
+    assert not is_for('/**/a' * 20 + '/b', name)
+    assert is_for('/**/a' * 20 + '/**', name)

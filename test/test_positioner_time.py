@@ -128,6 +128,15 @@ def test_simulated_time_ticks_with_clock_and_pauses_with_it(simulated):
     client.spin_until(lambda: len(pressures) >= 21)
 
 
+def test_a_time_below_zero_on_clock_is_ignored_and_said(simulated):
+    node, client, clock, pressures, _ = simulated
+    clock.begin(10 * SECOND)
+    while '/clock has begun' in node.output and 'below zero' not in node.output:
+        clock.show(-5 * SECOND)
+        client.spin_once()
+    show_until(client, clock, [10 * SECOND + TICK], pressures, [1])
+
+
 def test_a_coarse_clock_is_followed_without_a_gap(simulated):
     _, client, clock, pressures, _ = simulated
     clock.begin(SECOND)

@@ -191,3 +191,29 @@ def test_a_drive_that_was_read_once_is_named_where_no_row_is_left_by_it():
     columns['supply_pressure'] = np.r_[400e3, np.full(ROWS - 1, np.nan)]
     with pytest.raises(RecordError, match='lack supply_pressure'):
         prepare(record_of(**columns), DECLARED)
+
+
+def odd(changed):
+    """Return a record in time whose stamps are changed by a function."""
+    return record_of(**{**CHAMBER, **POSITION, 'time': changed(0.1 * np.arange(ROWS))})
+
+
+@pytest.mark.parametrize(('record', 'says'), [
+    # a run over it would need hundreds of gigabytes, or end after hours, or with an IndexError
+    (lambda: record_of(chamber_pressure=[1e5], valve_position=[0.004]), 'only 1 row, at least 12'),
+    (lambda: odd(lambda time: 1e-10 * time), r'rows are 1e-11 s apart, .* time must be in s'),
+    (lambda: odd(lambda time: 1e-8 * time), 'rows are 1e-09 s apart'),
+    (lambda: odd(lambda time: np.where(time < 20.0, time, time + 86400.0)),
+     r'row 202, column time: a gap of 8\.64e\+04 s, longer than all the rest of the record'),
+])
+def test_times_that_no_valve_has_are_refused(record, says):
+    with pytest.raises(RecordError, match=says):
+        prepare(record(), DECLARED)
+
+
+def test_a_sweep_that_would_stand_for_days_is_refused():
+    rows = 15_000
+    back = np.linspace(100e3, 300e3, rows)
+    with pytest.raises(RecordError, match=r'15000 rows that stand 30 s each.* 4\.5e\+05 s'):
+        prepare(record_of(back_pressure=back, chamber_pressure=back, valve_position=1e-8 * back),
+                DECLARED)

@@ -3,6 +3,7 @@
 """`python -m booster_ros`: what every program has in common."""
 
 from functools import cache
+import signal
 import subprocess
 import sys
 
@@ -117,6 +118,17 @@ def test_a_node_needs_rclpy_and_numpy_alone(node):
     assert not heavy & imported_by(f'booster_ros.nodes.{node}')
 
 
+@pytest.fixture
+def own_signals():
+    """Leave signals as they were: a program sets them for the process that is its own."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.getsignal(number) for number in numbers}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures('own_signals')
 def test_interrupted_while_libraries_load_it_says_so(monkeypatch, capsys):
     def interrupted(module):
         raise KeyboardInterrupt

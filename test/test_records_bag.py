@@ -5,6 +5,7 @@
 from collections.abc import Callable, Iterable
 from pathlib import Path
 import re
+import resource
 import sys
 
 import numpy as np
@@ -12,8 +13,9 @@ import pytest
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from booster_ros.records import RecordError, read_record
+from booster_ros.records import RecordError, bag_limits, read_record
 from booster_ros.records.bag_writer import STORAGE, BagWriter
+from booster_ros.records.recording import Recording
 from booster_ros.records.time_base import Signal, merge, to_nearest_rows
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -371,3 +373,81 @@ def test_the_tools_of_mcap_read_a_written_bag(tmp_path):
     messages = list(reader.read_ros2_messages(str(tmp_path / 'record' / 'record.mcap')))
     assert [message.ros_msg.data for message in messages] == [5e3 + tick for tick in range(20)]
     assert {message.channel.topic for message in messages} == {'/chamber_pressure'}
+
+
+ALIASES = 'a0: &a0 [x, x]\n' + ''.join(
+    f'a{k}: &a{k} [{", ".join([f"*a{k - 1}"] * 9)}]\n' for k in range(1, 30))
+
+
+@pytest.mark.parametrize(('text', 'says'), [
+    (ALIASES, r'metadata\.yaml has an alias \(\*name\) in line 2'),
+    ('x' * 2_000_001, r'metadata\.yaml has more than 2000000 bytes'),
+], ids=['aliases', 'bytes'])
+def test_metadata_that_no_recorder_writes_are_refused(tmp_path, text, says):
+    bag = write_bag(tmp_path / 'record', plain_messages())
+    (bag / 'metadata.yaml').write_text(text)
+    with pytest.raises(RecordError, match=says):
+        read_record(bag)
+
+
+def packed_bag(path: Path, mode: CompressionMode, storage: str, size: int) -> Path:
+    """Return a compressed bag in which a message has so many bytes more than it needs."""
+    packed = Writer(path, version=Writer.VERSION_LATEST,
+                    storage_plugin=STORAGE[storage])
+    packed.set_compression(mode, CompressionFormat.ZSTD)
+    kind_of = 'std_msgs/msg/Float64'
+    with packed as bag:
+        topic = bag.add_connection('/chamber_pressure', kind_of, typestore=STORE)
+        data = bytes(STORE.serialize_cdr(kind(kind_of)(data=2e5), kind_of))
+        for tick in range(20):
+            bag.write(topic, START + tick * TICK, data + bytes(size))
+    return path
+
+
+@pytest.mark.parametrize(('mode', 'storage', 'says'), [
+    (CompressionMode.MESSAGE, 'sqlite3', 'a compressed message of .* once it is unpacked'),
+    (CompressionMode.MESSAGE, 'mcap', 'a compressed message of .* once it is unpacked'),
+    (CompressionMode.STORAGE, 'mcap', 'a compressed chunk of .* once it is unpacked'),
+    (CompressionMode.FILE, 'sqlite3', 'is too large once it is unpacked'),
+])
+def test_a_few_bytes_do_not_become_gigabytes(tmp_path, monkeypatch, mode, storage, says):
+    monkeypatch.setattr(bag_limits, 'LARGEST_MESSAGE', 10_000)
+    monkeypatch.setattr(bag_limits, 'LARGEST_CHUNK', 10_000)
+    monkeypatch.setattr(bag_limits, 'LARGEST_RATIO', 2)
+    monkeypatch.setattr(bag_limits, '_PIECE', 1000)
+    small = packed_bag(tmp_path / 'small', mode, storage, 0)
+    if mode != CompressionMode.FILE:
+        assert len(read_record(small)) == 20
+    with pytest.raises(RecordError, match=says):
+        read_record(packed_bag(tmp_path / 'large', mode, storage, 20_000))
+
+
+def test_a_compressed_message_that_is_cut_short_is_refused():
+    packed = bag_limits.zstd.compress(b'x' * 1000)
+    assert bag_limits.unpacked_message(packed) == b'x' * 1000
+    with pytest.raises(RecordError, match='cut short'):
+        bag_limits.unpacked_message(packed[:-5])
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_bag_on_a_full_disk_is_refused_and_nothing_is_left(tmp_path, storage):
+    def fill():
+        with BagWriter(tmp_path / 'record', ['/chamber_pressure'], storage) as writer:
+            for tick in range(10_000):
+                writer.write('/chamber_pressure', 1.0, START + tick)
+
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, limits[1]))
+    try:
+        with pytest.raises(RecordError, match='record cannot be written: '):
+            fill()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_what_writes_bags_it_is_said_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, 'booster_ros.records.bag_writer', None)
+    with pytest.raises(RecordError, match=r'record: writing a bag needs .* pip install rosbags'):
+        Recording(str(tmp_path / 'out.csv'), str(tmp_path / 'record'), 'mcap', {})
+    assert list(tmp_path.iterdir()) == []

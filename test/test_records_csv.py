@@ -258,3 +258,29 @@ def test_blocks_of_a_long_file_join_seamlessly(tmp_path, monkeypatch):
     write(tmp_path, '\n'.join([*good_lines(2000), '20.00,x,1,1']))
     with pytest.raises(RecordError, match='row 2002, column control_current'):
         read_record(path)
+
+
+@pytest.mark.parametrize('cell', ['_' * 100_000, 'chamber_pressure' + '_' * 100_000 + '[',
+                                  'pressure ' * 10_000], ids=['', 'unit', 'words'])
+def test_a_long_cell_in_the_header_is_no_column_and_takes_no_time(tmp_path, cell):
+    lines = good_lines()
+    record = read_lines(tmp_path, [f'{lines[0]},{cell}', *(f'{line},1' for line in lines[1:])])
+    assert 'chamber_pressure' in record
+    note, = record.ignored
+    assert len(note) < 300
+
+
+@pytest.mark.parametrize('text', [
+    b'time,' + b'x' * 1_000_001, b'time,valve_position\n0,0.001\n1,' + b'0' * 6_000_000],
+    ids=['header', 'row'])
+def test_a_line_without_end_is_refused(tmp_path, text):
+    with pytest.raises(RecordError, match='longer than 1000000 bytes'):
+        read_record(write(tmp_path, text))
+
+
+def test_a_long_file_of_lines_that_end_in_carriage_returns_alone_is_read(tmp_path):
+    rows = 400_000
+    text = 'time,valve_position\r' + ''.join(f'{k},0.001\r' for k in range(rows))
+    record = read_record(write(tmp_path, text))
+    assert len(record) == rows
+    assert record.rows[-1] == rows + 1

@@ -89,3 +89,15 @@ def test_iteration_needs_no_more_memory_for_a_longer_file(tmp_path, monkeypatch)
             tracemalloc.stop()
 
     assert peak(60_000) < 1.2 * peak(20_000)
+
+
+@pytest.mark.parametrize('space', [b'\xa0', b'\x85'])
+@pytest.mark.parametrize('block', [100, 1 << 20])
+def test_a_space_of_another_encoding_is_refused_wherever_a_portion_begins(
+        tmp_path, monkeypatch, space, block):
+    """It was read where nothing else in the portion was odd, and refused elsewhere."""
+    monkeypatch.setattr('booster_ros.records.csv_text._BLOCK_BYTES', block)
+    lines = [line.encode() for line in good_lines()]
+    lines[20] = lines[20].replace(b',', space + b',', 1)
+    with pytest.raises(RecordError, match='row 21, column time'):
+        list(iterate_csv(write(tmp_path, b'\n'.join(lines)), ['time', 'control_current']))

@@ -156,6 +156,27 @@ def test_a_long_file_in_portions_is_the_same_as_at_once(tmp_path, params, monkey
         assert np.array_equal(portions[name], column), name
 
 
+def test_portions_are_the_same_as_the_whole_with_a_dead_time_as_well(tmp_path, monkeypatch):
+    """Currents that stand and jump, rows that are even or far apart, a long time before."""
+    params = write(tmp_path / 'late.yaml', """/**:
+  ros__parameters:
+    ep_converter:
+      dead_time: 0.137
+""")
+    random = np.random.default_rng(3)
+    time = 1.7e9 + np.cumsum(random.choice([0.01, 0.013, 0.3], 1500))
+    current = np.repeat(random.uniform(3e-4, 5e-4, 500), 3)
+    text = 'time,control_current\n' + ''.join(
+        f'{t:.6f},{i!r}\n' for t, i in zip(time.tolist(), current.tolist(), strict=True))
+    whole = run_here(tmp_path, params, text)
+    original = program.iterate_csv
+    monkeypatch.setattr(
+        program, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
+    portions = run_here(tmp_path, params, text)
+    for name, column in whole.items():
+        assert np.array_equal(portions[name], column), name
+
+
 GOOD = 'time,control_current\n0,0.0004\n1,0.0004\n'
 
 

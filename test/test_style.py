@@ -9,7 +9,8 @@ import sys
 import pytest
 from ros_process import ROOT
 
-SOURCES = [ROOT / name for name in ('booster_ros', 'launch', 'scripts', 'setup.py', 'test')]
+SOURCES = [ROOT / name for name in (
+    'booster_ros', 'examples', 'launch', 'scripts', 'setup.py', 'test')]
 HEADER = [
     '# Copyright 2026 The booster_ros authors',
     '# SPDX-License-Identifier: Apache-2.0',
@@ -19,7 +20,7 @@ HEADER = [
 def source_files() -> list[Path]:
     folders = [source for source in SOURCES if source.is_dir()]
     python = [path for folder in folders for path in folder.rglob('*.py')]
-    others = [ROOT / 'setup.py', ROOT / 'Makefile', ROOT / '.ci' / 'run']
+    others = [ROOT / 'setup.py', ROOT / 'Makefile', ROOT / '.ci' / 'run', ROOT / 'Dockerfile']
     return [*python, *others, *(ROOT / 'config').glob('*.yaml')]
 
 

@@ -13,12 +13,13 @@ import functools
 import hashlib
 import importlib
 import importlib.util
-import os
+import inspect
 from pathlib import Path
 import sys
-import tempfile
 import types
 from typing import Any
+
+from . import code_cache
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'chamber', 'sensors',
             'discrepancy', 'position_controller', 'control_law', 'state', 'present_term', 'system',
@@ -38,27 +39,29 @@ def available() -> bool:
     return importlib.util.find_spec('numba') is not None
 
 
-def cache_folder() -> Path | None:
+def cache_place() -> code_cache.Place:
     """
-    Return the folder for machine code of exactly these sources, or None where none is writable.
+    Return the folder for machine code of exactly these sources, see `code_cache.place`.
 
     The name holds a digest of the sources and of how they are compiled, because numba's own check
     looks at one file only and would keep a function whose callee in another file has changed; it
-    also covers the path of the sources, because numba keeps the code of each copy apart.
+    also covers the path of the sources, because numba keeps the code of each copy apart, and what
+    compiles for which processor.
     """
+    import numba
+    from numba.core.registry import cpu_target
+
     here = Path(__file__).parent
-    digest = hashlib.sha256(str(here).encode() + Path(__file__).read_bytes())
-    for name in _MODULES:
+    processor = cpu_target.target_context.codegen().magic_tuple()
+    digest = hashlib.sha256(f'{here} {numba.__version__} {processor}'.encode())
+    for name in ('compiled', 'code_cache', *_MODULES):
         digest.update((here / f'{name}.py').read_bytes())
-    home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')
-    folder = Path(home) / 'booster_ros' / digest.hexdigest()[:16]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError:
-        return None
-    return folder
+    return code_cache.place(digest.hexdigest()[:16])
+
+
+def cache_folder() -> Path | None:
+    """Return the folder for machine code of exactly these sources, or None where there is none."""
+    return cache_place().folder
 
 
 def is_cached() -> bool:
@@ -109,11 +112,14 @@ def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, A
         # in the order of the file: numba looks up what a function calls when it compiles it, at
         # its first call, and by then the namespace holds the compiled versions of all
         for key, value in own.items():
-            twin = types.FunctionType(value.__code__, names, key, value.__defaults__)
+            code = inspect.unwrap(value).__code__  # what plain Python is guarded by it needs not
+            twin = types.FunctionType(code, names, key, value.__defaults__)
             twin.__module__ = module.__name__
             twin.__qualname__ = value.__qualname__
             names[key] = njit(nogil=True, cache=cache, error_model='numpy',
                               forceinline=name in _INLINED)(twin)
+            if cache:
+                code_cache.keep_sealed(names[key])
             replaced[_identity(value)] = names[key]
         namespaces[name] = names
     return namespaces

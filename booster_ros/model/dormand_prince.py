@@ -7,8 +7,11 @@ J. R. Dormand and P. J. Prince, Journal of Computational and Applied Mathematics
 last stage is evaluated at the result, so that a next step can take over those rates.
 """
 
+import math
+
 from .state import STATES
 from .system import derivatives
+from .undefined import infinite_where_undefined
 from .workspace import TOLERANCE
 
 ORDER = 5.0
@@ -27,11 +30,13 @@ _ERROR = (71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200
           22.0 / 525.0, -1.0 / 40.0)
 
 
+@infinite_where_undefined
 def explicit_step(p, time, current, direction, y, h, active, count, w) -> float:
     """
     Try one step of length `h` from `y`; the result is in w.trial, its rates in w.stage_rates.
 
-    Return the error estimate relative to the tolerance. w.rates holds the derivatives at `y`.
+    Return the error estimate relative to the tolerance, infinite where the step leads to no value.
+    w.rates holds the derivatives at `y`.
     """
     for i in range(STATES):
         w.trial[i] = y[i]
@@ -46,14 +51,16 @@ def explicit_step(p, time, current, direction, y, h, active, count, w) -> float:
         derivatives(p, time + _NODES[stage] * h, current, direction, w.trial, w.stage_rates)
         for i in range(count):
             w.slopes[(stage + 1) * STATES + active[i]] = w.stage_rates[active[i]]
-    error = 0.0
+    error, total = 0.0, 0.0
     for i in range(count):
         state = active[i]
         slope = 0.0
         for j in range(7):
             slope += _ERROR[j] * w.slopes[j * STATES + state]
-        error = max(error, abs(h * slope) / TOLERANCE[state])
-    return error
+        one = abs(h * slope) / TOLERANCE[state]
+        error = max(error, one)
+        total += one
+    return error if total == total else math.inf  # `max` does not see NaN
 
 
 def contraction(active, count, w) -> float:

@@ -71,6 +71,8 @@ DESCRIPTIONS: dict[str, Description] = _describe()
 
 def unknown_name(name: str, known: Iterable[str]) -> str:
     """Return the sentence about a parameter name that does not exist, with the nearest one."""
+    if len(name) > LONGEST_QUOTE:  # to look for one that is near takes long
+        return f'there is no parameter {name[:LONGEST_QUOTE]}...'
     near = difflib.get_close_matches(name, list(known), 1, 0.6)
     hint = f'; did you mean {near[0]}?' if near else ''
     return f'there is no parameter {name}{hint}'

@@ -8,8 +8,11 @@ embedded solution of order 2. Stiff corners — end stops, pressure ratios near 
 cost it no small steps.
 """
 
+import math
+
 from .state import STATES
 from .system import derivatives
+from .undefined import infinite_where_undefined
 from .workspace import TOLERANCE
 
 ORDER = 3.0
@@ -63,12 +66,13 @@ def _solve(matrix, count, b) -> None:
         b[i] = total * matrix[i * STATES + i]
 
 
+@infinite_where_undefined
 def implicit_step(p, time, current, direction, y, h, active, count, w) -> float:
     """
     Try one step of length `h` from `y`; the result is in w.trial.
 
-    Return the error estimate relative to the tolerance. w.rates and w.jacobian hold the
-    derivatives at `y`.
+    Return the error estimate relative to the tolerance, infinite where the step leads to no value.
+    w.rates and w.jacobian hold the derivatives at `y`.
     """
     _factorise(w.jacobian, 2.0 / h, count, w.matrix)
     for i in range(count):
@@ -91,9 +95,11 @@ def implicit_step(p, time, current, direction, y, h, active, count, w) -> float:
     for i in range(count):
         w.k4[i] = w.stage_rates[active[i]] + (w.k1[i] - w.k2[i] - 8.0 / 3.0 * w.k3[i]) / h
     _solve(w.matrix, count, w.k4)
-    error = 0.0
+    error, total = 0.0, 0.0
     for i in range(count):
         state = active[i]
         w.trial[state] += w.k4[i]
-        error = max(error, abs(w.k4[i]) / TOLERANCE[state])
-    return error
+        one = abs(w.k4[i]) / TOLERANCE[state]
+        error = max(error, one)
+        total += one
+    return error if total == total else math.inf  # `max` does not see NaN

@@ -14,13 +14,14 @@ from .memory import CENTRED, DIRECTION, MEMORIES, STANDING, Departure, start_mem
 from .outputs import Outputs, observe, readings
 from .rows import check_finite, checked_rows
 from .solver import new_workspace
-from .state import PAST, PRESLIDING, PRESSURE_DROP
+from .state import CHAMBER, PAST, PRESLIDING, PRESSURE_DROP, STATES
 from .sticking import dry_friction, sliding_direction, sticks
 from .stream import (
     DEFAULT_TOLERANCE, LONGEST_INTERVAL, Stream, active_states, command_name, settled_state)
 from .system import (
     PositionerParameters, booster_force, hold_inactive_states, is_active, rest_in_play,
     settled_past)
+from .undefined import UNDEFINED
 
 DEFAULT_STEP = 1e-3
 """Interval of the stepping plant, s."""
@@ -68,11 +69,14 @@ class Plant:
             rest_in_play(parameters, self._y)
         y, memory = self._y, self._memory
         slid = memory[DIRECTION]
-        memory[DIRECTION] = sliding_direction(parameters, y)
         memory[STANDING] = math.nan  # a step ahead was for other parameters
-        hold_inactive_states(parameters, self.time, y, ())
-        if sticks(self._parameters) and is_active(parameters, PRESLIDING):
-            y[PRESLIDING] = dry_friction(parameters, self.time, self._seen, slid, y)
+        try:
+            memory[DIRECTION] = sliding_direction(parameters, y)
+            hold_inactive_states(parameters, self.time, y, ())
+            if sticks(self._parameters) and is_active(parameters, PRESLIDING):
+                y[PRESLIDING] = dry_friction(parameters, self.time, self._seen, slid, y)
+        except UNDEFINED:
+            y[CHAMBER] = math.nan
         self._parameters = parameters
         self._active = active_states(parameters)
 
@@ -107,10 +111,13 @@ class Plant:
         self._current = control_current
         self._history = [control_current]
         self._seen = control_current
-        self._y = settled_state(
-            p, control_current, chamber_pressure, valve_position, pressure_drop=self._drop)
         self._memory = [0.0] * MEMORIES
-        start_memory(p, control_current, self._y, self._step, self._memory)
+        try:
+            self._y = settled_state(
+                p, control_current, chamber_pressure, valve_position, pressure_drop=self._drop)
+            start_memory(p, control_current, self._y, self._step, self._memory)
+        except UNDEFINED:
+            self._y = [math.nan] * STATES
         self._active = active_states(p)
 
     def advance(self, command: float, steps: int) -> None:
@@ -128,11 +135,21 @@ class Plant:
         for _ in range(steps):
             delayed = self._delayed(command)
             for part in range(parts):
-                self._seen = interval(
-                    self._parameters, self.time + part * length, length, delayed, (),
-                    self._y, self._memory, self._active, len(self._active), DEFAULT_TOLERANCE,
-                    self._work)
+                if self.is_lost:
+                    break
+                try:
+                    self._seen = interval(
+                        self._parameters, self.time + part * length, length, delayed, (),
+                        self._y, self._memory, self._active, len(self._active), DEFAULT_TOLERANCE,
+                        self._work)
+                except UNDEFINED:
+                    self._y[CHAMBER] = math.nan
             self._steps += 1
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the model has no solution from some moment on: then its chamber has no number."""
+        return math.isnan(self._y[CHAMBER])
 
     def _delayed(self, current: float) -> float:
         """Return the mean over this step of the command one dead time ago."""
@@ -149,15 +166,23 @@ class Plant:
         return (1.0 - part) * late + part * later
 
     def outputs(self) -> Outputs:
-        """Return what can be seen now."""
-        return observe(
-            self._parameters, self.time, self._current, self._seen, self._y, self._memory)
+        """Return what can be seen now, NaN where the model has no solution."""
+        try:
+            return observe(
+                self._parameters, self.time, self._current, self._seen, self._y, self._memory)
+        except UNDEFINED:
+            return Outputs(*[math.nan] * len(Outputs._fields))
 
     def readings(self) -> tuple[float, float]:
-        """Return what the sensors read now: pressure, Pa gauge, and position, m."""
+        """Return what the sensors read now: pressure, Pa gauge, and position, m; NaN if lost."""
         p, time, y = self._parameters, self.time, self._y
-        force = booster_force(p, time, self._seen, y)
-        return readings(p, time, self._seen, y, self._memory, force)
+        if self.is_lost:  # sensors that lag still have a number
+            return math.nan, math.nan
+        try:
+            force = booster_force(p, time, self._seen, y)
+            return readings(p, time, self._seen, y, self._memory, force)
+        except UNDEFINED:
+            return math.nan, math.nan
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,13 @@ AHEAD_SHARE = 0.1
 LOST = 1e6
 """Factor on the tolerance: a shortest step whose error is beyond even that is lost."""
 
+MOST_STEPS = 4000
+MOST_INACCURATE = 500
+"""
+Most steps within an interval, and most of them whose error is beyond the tolerance though they are
+as short as can be: what takes more is not followed, and would hold up whoever waits for it.
+"""
+
 SHORTEST_EVENT = 1e-7
 """Shortest step to where sticking or sliding ends, s: time must pass."""
 
@@ -215,6 +222,7 @@ def advance(
     if count > 0 and active[count - 1] == PRESLIDING:
         fast = min(LONGEST_EXPLICIT, YIELDING_EXPLICIT * presliding_time(p.actuator))
     left = length
+    steps, inaccurate = 0, 0
     rates_known = False
     while left > 0.0:
         if memory[STEP_AHEAD] > 0.0:
@@ -250,11 +258,14 @@ def advance(
             step = max(step * min(_step_factor(error / allowed, explicit), 0.7), smallest)
             error = _try_step(p, now, current, direction, y, step, explicit, active, moving, w)
             allowed = _allowed(tolerance, step, left)
-        if not error <= LOST * tolerance and not step > smallest:
-            if smallest > FINEST_STEP:
-                smallest = memory[TRIAL_STEP] = FINEST_STEP
-                rates_known = True
-                continue
+        steps += 1
+        inaccurate += 0 if error <= allowed else 1
+        lost = not error <= LOST * tolerance and not step > smallest
+        if lost and smallest > FINEST_STEP:
+            smallest = memory[TRIAL_STEP] = FINEST_STEP
+            rates_known = True
+            continue
+        if lost or steps > MOST_STEPS or inaccurate > MOST_INACCURATE:
             y[CHAMBER] = math.nan  # nothing sensible can follow; do not creep on with tiny steps
             return
         if step > left and direction != 0.0 and w.trial[VELOCITY] * direction <= 0.0:

@@ -3,6 +3,7 @@
 """Running the model over rows of time and current that come in portions."""
 
 from collections.abc import Mapping
+import math
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from .system import (
     PositionerParameters, discrepancy_at, hold_inactive_states, is_active, is_direct, plant_of,
     rest_in_play,
     settled_past, undrawn_supply)
+from .undefined import UNDEFINED
 
 LONGEST_INTERVAL = 0.02
 """Longest interval, s: longer ones between rows of a record are divided."""
@@ -239,11 +241,14 @@ class Stream:
         """Run from row `first` to the last; return what is seen at each of these."""
         delayed = delayed_current(time, command, self._dead_time)
         time, command, delayed, pins = time[first:], command[first:], delayed[first:], pins[first:]
-        out = np.empty((len(time), OBSERVED))
+        out = np.full((len(time), OBSERVED), np.nan)
         if self._machine is None:
-            run(self._parameters, self._controller, time.tolist(), command.tolist(),
-                delayed.tolist(), self._pinned, pins, self._state, self._memory, self._active,
-                len(self._active), self._tolerance, self._longest, self._work, out)
+            try:
+                run(self._parameters, self._controller, time.tolist(), command.tolist(),
+                    delayed.tolist(), self._pinned, pins, self._state, self._memory, self._active,
+                    len(self._active), self._tolerance, self._longest, self._work, out)
+            except UNDEFINED:  # the rows that are left have no solution
+                self._state[CHAMBER] = math.nan
             return out
         self._machine(
             self._parameters, self._controller, time, command, delayed,
@@ -294,17 +299,26 @@ def delayed_current(time: np.ndarray, current: np.ndarray, dead_time: float) -> 
     """
     Return, for each row's interval, the mean of the standing current one dead time (s) ago.
 
-    The mean (not the value at one moment) makes the result continuous in the dead time.
+    The mean (not the value at one moment) makes the result continuous in the dead time. It is made
+    of the levels that the interval has, one dead time ago, and of nothing before: so it does not
+    depend on where a portion of a record begins, and is the level itself where there is but one.
     """
     if dead_time <= 0.0 or len(time) < 2:
         return current
-    length = np.diff(time)
-    charge = np.concatenate(([0.0], np.cumsum(current[:-1] * length)))
-
-    def integral(moment: np.ndarray) -> np.ndarray:
-        before = np.minimum(moment - time[0], 0.0) * current[0]
-        return before + np.interp(moment, time, charge)
-
-    mean = np.diff(integral(time - dead_time))
-    mean = np.divide(mean, length, out=current[:-1].copy(), where=length > 0.0)
+    changes = np.concatenate(([0], np.flatnonzero(np.diff(current) != 0.0) + 1))
+    since, level = time[changes], current[changes]
+    begins, ends = time[:-1] - dead_time, time[1:] - dead_time
+    first = np.maximum(np.searchsorted(since, begins, 'right') - 1, 0)
+    last = np.maximum(np.searchsorted(since, ends, 'left') - 1, first)
+    mean = level[last]
+    several = np.flatnonzero((last > first) & (ends > begins))
+    if len(several):
+        first, last, begins, ends = (each[several] for each in (first, last, begins, ends))
+        charge = level[first] * (since[first + 1] - begins) + level[last] * (ends - since[last])
+        between = np.add.reduceat(
+            np.append(level[:-1] * np.diff(since), 0.0), np.stack((first + 1, last), 1).ravel())
+        charge += np.where(last > first + 1, between[::2], 0.0)
+        mean[several] = charge / (ends - begins)
+    stands = np.diff(time) <= 0.0
+    mean[stands] = current[:-1][stands]
     return np.concatenate((mean, mean[-1:]))

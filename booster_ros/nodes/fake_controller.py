@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import math
 from pathlib import Path
 import sys
+from typing import Any
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -223,7 +224,7 @@ class FakeController(Node):
         self._played = played
         self._current = self._command.current(played, self._position)
         self._check_limits()
-        self._recording.sent(self._current, stamp)
+        self._record(self._recording.sent, self._current, stamp)
         self._commands.publish(Float64(data=self._current))
         if self._set_points is not None:
             self._set_points.publish(Float64(data=self._command.set_point))
@@ -280,8 +281,12 @@ class FakeController(Node):
             self._record_output(column, value, own_stamp)
 
     def _record_output(self, column: str, value: float, stamp: int) -> None:
+        self._record(self._recording.received, column, value, stamp)
+
+    def _record(self, note: Callable[..., None], *given: Any) -> None:
+        """Note something in the recording; RunError where that cannot be written."""
         try:
-            self._recording.received(column, value, stamp)
+            note(*given)
         except RecordError as error:
             raise RunError(f'recording: {error}') from None
 

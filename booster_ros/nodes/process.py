@@ -9,6 +9,7 @@ import re
 import signal
 import sys
 import threading
+import traceback
 from types import FrameType
 
 import rclpy
@@ -17,6 +18,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.utilities import ok, remove_ros_args, try_shutdown
 
+from ..legible import legible
 from ..model.parameters import ParameterError
 from ..parameters.sections import files_on, read_sections
 from ..run_error import RunError
@@ -61,8 +63,12 @@ def run(
     startup.over = True
     executor = SingleThreadedExecutor()  # docs/decisions.md says why not EventsExecutor
     try:
-        executor.add_node(make_node())
-        executor.spin()
+        node = make_node()
+        executor.add_node(node)
+        while not _spun_to_the_end(executor):
+            node.get_logger().warning(
+                'a time below zero on /clock, which no clock of ROS 2 can show: ignored',
+                throttle_duration_sec=10.0)
     except ExternalShutdownException:
         pass
     except (ParameterError, RunError) as error:
@@ -77,6 +83,22 @@ def run(
         _ignore_signals()
         _tear_down(executor)
     return DONE
+
+
+def _spun_to_the_end(executor: SingleThreadedExecutor) -> bool:
+    """
+    Spin until told to end; return False where a time on /clock is one that rclpy cannot hold.
+
+    rclpy listens to /clock itself, and lets the ValueError of its own class of times out.
+    """
+    try:
+        executor.spin()
+    except ValueError as error:
+        if not any(frame.f_code.co_name == 'clock_callback'
+                   for frame, _ in traceback.walk_tb(error.__traceback__)):
+            raise
+        return False
+    return True
 
 
 class _Startup:
@@ -134,7 +156,7 @@ def _tear_down(executor: SingleThreadedExecutor) -> None:
 
 
 def _complain(name: str, sentence: str) -> int:
-    print(f'{name}: {sentence}', file=sys.stderr)
+    print(f'{name}: {legible(sentence)}', file=sys.stderr)
     return BAD_INPUT
 
 

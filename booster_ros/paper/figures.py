@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-import os
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -14,6 +14,7 @@ import numpy as np
 from ..model.booster import Booster
 from ..model.simulation import simulate
 from ..model.system import PositionerParameters
+from ..writing.replacement import write_file
 from .flow_bench import bench_flow, bench_force
 from .identification import StepRecord
 from .printed import FlowSeries
@@ -69,6 +70,6 @@ def draw_identification(
 
 
 def _save(figure: Figure, path: Path) -> None:
-    unfinished = path.with_suffix('.unfinished')
-    figure.savefig(unfinished, format='png', dpi=120)
-    os.replace(unfinished, path)
+    with BytesIO() as drawn:
+        figure.savefig(drawn, format='png', dpi=120)
+        write_file(path, drawn.getvalue())

@@ -7,9 +7,7 @@ The same file feeds the node (`--ros-args --params-file`), `simulate` and `close
 """
 
 from collections.abc import Callable, Iterator, Mapping
-import os
 from pathlib import Path
-import tempfile
 from typing import Any, NamedTuple
 
 import yaml
@@ -17,6 +15,7 @@ import yaml
 from ..model.catalogue import is_optional
 from ..model.parameters import DESCRIPTIONS, Description, ParameterError, to_values
 from ..model.system import PositionerParameters
+from ..writing.replacement import write_file
 from .schema import NODE_DESCRIPTIONS, belongs_to_ros, check, checked
 from .scalars import LEAST
 from .sections import ANY_NODE, EVERY_NODE, PARAMETERS_KEY, Section, is_for, read_sections
@@ -108,22 +107,8 @@ def write_parameter_file(
     controller that have a comment or a value other than by default, and those of `node`, the node's
     own. `heading` becomes the comment above, `comments` (by dotted name) stand behind the units.
     """
-    path = Path(path)
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
-    try:
-        with open(descriptor, 'w', encoding='utf-8') as stream:
-            stream.write(parameter_text(parameters, heading, comments or {}, node or {}))
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    text = parameter_text(parameters, heading, comments or {}, node or {})
+    write_file(Path(path), text.encode())
 
 
 def parameter_text(

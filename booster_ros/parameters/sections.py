@@ -21,6 +21,14 @@ PARAMETERS_KEY = 'ros__parameters'
 ANY_NODE = ('*', '**')
 EVERY_NODE = '/**'
 
+LARGEST_FILE = 1_000_000
+"""Bytes of a parameter file; the parameters of a positioner with an effect have 4 kB."""
+
+MOST_SECTIONS = 1000
+"""Sections of a parameter file, one for each node."""
+
+_LONGEST_NAME = 1000
+
 _QUOTES = ("'", '"')
 _TEXT_TAG = 'tag:yaml.org,2002:str'
 
@@ -68,7 +76,7 @@ def read_sections(path: str | Path) -> list[Section]:
     ParameterError names the file and the line.
     """
     try:
-        text = Path(path).read_text(encoding='utf-8')
+        text = _text(path)
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else 'it is not text in UTF-8'
         raise ParameterError(f'{path}: cannot be read: {reason}') from None
@@ -84,6 +92,15 @@ def read_sections(path: str | Path) -> list[Section]:
         raise ParameterError(f'{path}{error}') from None
 
 
+def _text(path: str | Path) -> str:
+    with open(path, 'rb') as file:
+        data = file.read(LARGEST_FILE + 1)
+    if len(data) > LARGEST_FILE:
+        raise ParameterError(
+            f'{path}: has more than {LARGEST_FILE} bytes, which no parameter file has')
+    return data.decode()
+
+
 def _in_order(sections: list[Section]) -> list[Section]:
     """
     Return the sections in the order in which rcl lets later ones override earlier ones.
@@ -91,6 +108,8 @@ def _in_order(sections: list[Section]) -> list[Section]:
     It is the order of the file; but sections whose names are written alike are one to rcl, which
     stands where the first of them does.
     """
+    if len(sections) > MOST_SECTIONS:
+        raise _LayoutError(None, f'has {len(sections)} sections, more than {MOST_SECTIONS}')
     names = [section.written for section in sections]
     return sorted(sections, key=lambda section: names.index(section.written))
 
@@ -126,6 +145,8 @@ def _sections(node: yaml.Node | None, name: str) -> Iterator[Section]:
 def _name(node: yaml.Node) -> str:
     if not isinstance(node, yaml.ScalarNode):
         raise _LayoutError(_line(node), 'a name must be a word')
+    if len(node.value) > _LONGEST_NAME:
+        raise _LayoutError(_line(node), f'a name is longer than {_LONGEST_NAME} characters')
     return str(node.value)
 
 
@@ -184,8 +205,12 @@ def is_for(section: str, node: str) -> bool:
 
 
 def _match(pattern: list[str], name: list[str]) -> bool:
-    if not pattern:
-        return not name
-    if pattern[0] == '**':
-        return _match(pattern[1:], name) or (bool(name) and _match(pattern, name[1:]))
-    return bool(name) and pattern[0] in ('*', name[0]) and _match(pattern[1:], name[1:])
+    # which beginnings of the name the pattern so far matches: the time grows with both, not faster
+    reached = [True, *(False for _ in name)]
+    for part in pattern:
+        if part == '**':
+            reached = [any(reached[:k + 1]) for k in range(len(reached))]
+        else:
+            reached = [False, *(before and part in ('*', one)
+                                for before, one in zip(reached, name))]
+    return reached[-1]

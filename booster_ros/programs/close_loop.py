@@ -12,7 +12,6 @@ from functools import partial
 from io import TextIOWrapper
 import os
 from pathlib import Path
-import shutil
 import sys
 from typing import Any
 
@@ -26,6 +25,7 @@ from ..diagnosis.prepare.rows import DWELL_FILLED, DWELL_PINNED
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.selection.task import PLACES
 from ..diagnosis.judging.validation import validated
+from ..legible import legible
 from ..model.catalogue import EFFECTS
 from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
@@ -37,18 +37,22 @@ from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
 from ..report.provenance import Provenance
 from ..report.wording import verdict_sentences, verdict_title
+from ..surroundings import INTERRUPTED
+from ..writing import unfinished
+from ..writing.replacement import keep, replace_all
 from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
 from .mapping_options import (
-    add_mapping_options, legible, mapping_for, pointing_to_inspect)
+    add_mapping_options, mapping_for, pointing_to_inspect)
 from .path_argument import given_path
 from .progress_bar import ProgressBar
+from .telling import complain
 
 WRITTEN = ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml')
 """The files of a result."""
 
-WORKING = '.close_loop.'
-"""How the name of the folder begins in which these are made, beside that of the result."""
+WORKING = 'close_loop'
+"""What the name of the folder has in it in which these are made, in or above that of the result."""
 
 SEED = 1
 
@@ -56,20 +60,20 @@ SEED = 1
 def main(args: Sequence[str] | None = None) -> int:
     """Diagnose a record and write the report; return the exit status."""
     options = _parser().parse_args(args)
-    try:
-        with kept_interruption() as check:
+    with kept_interruption() as check:
+        try:
             diagnosis = _close_loop(options, check)
-    except (ParameterError, RecordError) as error:
-        print(f'close_loop: {error}', file=sys.stderr)
-        return 2
-    except OSError as error:
-        hidden = WORKING in str(error.filename or '')
-        place = options.out if hidden else error.filename or options.out
-        print(f'close_loop: {place}: {error.strerror}', file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print('close_loop: interrupted, nothing was written', file=sys.stderr)
-        return 130
+        except (ParameterError, RecordError) as error:
+            complain('close_loop', error)
+            return 2
+        except OSError as error:
+            hidden = f'.{WORKING}.' in str(error.filename or '')
+            place = options.out if hidden else error.filename or options.out
+            complain('close_loop', f'{place}: {error.strerror}')
+            return 2
+        except KeyboardInterrupt:
+            complain('close_loop', 'interrupted, nothing was written')
+            return INTERRUPTED
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors='replace')  # not every terminal knows a thin space
     print(f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis), sep='\n  ')
@@ -85,10 +89,11 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
     given = read_parameter_file(options.params)
     declared = from_values(given.physical)
     check_declared(declared, str(options.params))
-    (record, experiment, notes), *others = _experiments(options, declared)
-    with _output_folder(options.out) as folder:
-        _tell_notes(options, [notes, *(more for _, _, more in others)])
+    with _output_folder(options.out) as folder:  # asked first: the search may take minutes
+        records = _records(options, declared)
         announce_compilation()
+        (record, experiment, notes), *others = _experiments(options, records, declared)
+        _tell_notes(options, [notes, *(more for _, _, more in others)])
         with _progress(check) as tell:
             try:
                 diagnosis = judge(experiment, declared, tell, notes=notes)
@@ -178,10 +183,8 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def _experiments(
-    options: argparse.Namespace, declared: PositionerParameters
-) -> list[tuple[Record, Experiment, tuple[str, ...]]]:
-    """Return the record with its experiment and notes, then those of the other one if given."""
+def _records(options: argparse.Namespace, declared: PositionerParameters) -> list[Record]:
+    """Return the record, then the other one if given; RecordError where the options do not fit."""
     records = []
     for path in _given(options):
         with pointing_to_inspect(path):
@@ -193,6 +196,13 @@ def _experiments(
     if len(records) > 1 and records[0].has_rows_of(records[1]):
         raise RecordError(f'{options.validation}: has the rows of the record itself; --validation '
                           'takes another one')
+    return records
+
+
+def _experiments(
+    options: argparse.Namespace, records: Sequence[Record], declared: PositionerParameters
+) -> list[tuple[Record, Experiment, tuple[str, ...]]]:
+    """Return each record with its experiment and notes."""
     experiments = []
     for path, record in zip(_given(options), records, strict=True):
         with pointing_to_inspect(path):
@@ -212,7 +222,7 @@ def _tell_notes(options: argparse.Namespace, notes: Sequence[Sequence[str]]) -> 
     """Print the notes on each record before minutes go into it; the report has them as well."""
     for path, sentences in zip(_given(options), notes, strict=True):
         for sentence in sentences:
-            print(f'{legible(path)}: {sentence}', file=sys.stderr, flush=True)
+            complain(str(path), sentence)
 
 
 def _given(options: argparse.Namespace) -> list[Path]:
@@ -251,17 +261,16 @@ def _output_folder(out: Path) -> Iterator[Path]:
     nearest = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
     if not nearest.is_dir():
         raise RecordError(f'{nearest}: is not a folder')
-    work = nearest / f'{WORKING}{os.getpid()}'
-    try:  # before the folder exists: an interruption may come the moment it does
-        shutil.rmtree(work, ignore_errors=True)  # left by a killed process of this number
-        work.mkdir()
+    with unfinished.folder(nearest / WORKING) as work:
+        earlier = work / 'earlier'
+        earlier.mkdir()
+        for name in WRITTEN:
+            if keep(out / name, earlier / name):  # what cannot be kept cannot be replaced either
+                (earlier / name).unlink()
         yield work
         out.mkdir(parents=True, exist_ok=True)
         ignore_interruptions()  # the files of a result are all new, or none is
-        for name in WRITTEN:
-            os.replace(work / name, out / name)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
+        replace_all(work, out, WRITTEN, earlier)
 
 
 def _check_paths(options: argparse.Namespace) -> None:

@@ -25,9 +25,11 @@ from ..paper.printed import table_3
 from ..paper.step_test import DURATION, DWELL, levels, upward_steps
 from ..paper.step_test_figure import draw_step_test
 from ..records import Record, RecordError, read_record
+from ..surroundings import INTERRUPTED
 from .interruption import kept_interruption
 from .path_argument import given_path
 from .ros_domain import claim_domain
+from .telling import complain
 
 TICKS_PER_SECOND = 200
 """Rate of the positioner: at the default 100 Hz the wait for a tick is up to 1.9 % of the ISE."""
@@ -56,16 +58,17 @@ def main(args: Sequence[str] | None = None) -> int:
         help='folder for the record, the plot and the log (default: %(default)s)',
     )
     out: Path = parser.parse_args(args).out
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        record = play_step_test(out)
-        report(record, out / 'step_test.png')
-    except (DemoError, RecordError, OSError, RuntimeError, ValueError) as error:
-        print(f'demo: {error}', file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print('demo: interrupted', file=sys.stderr)
-        return 130
+    with kept_interruption():
+        try:
+            out.mkdir(parents=True, exist_ok=True)
+            record = play_step_test(out)
+            report(record, out / 'step_test.png')
+        except (DemoError, RecordError, OSError, RuntimeError, ValueError) as error:
+            complain('demo', error)
+            return 2
+        except KeyboardInterrupt:
+            complain('demo', 'interrupted')
+            return INTERRUPTED
     return 0
 
 

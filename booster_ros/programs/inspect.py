@@ -14,6 +14,7 @@ import tempfile
 
 import numpy as np
 
+from ..legible import legible
 from ..records import CsvWriter, RecordError, is_bag, read_mapping, read_record
 from ..records.bag_inspection import BagInspection, inspect_bag
 from ..records.inspection import Inspection, inspect, is_plain
@@ -23,7 +24,6 @@ from ..records.record import COLUMNS, Record
 from ..records.target import check_inputs_stay, replaced_by
 from ..report.first_look import Series, first_look
 from .inspection_text import bag_lines, inspection_lines, record_lines
-from .mapping_options import legible
 from .path_argument import given_path
 
 SUFFIX = '.map.yaml'

@@ -7,10 +7,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import signal
+import sys
 import threading
 from types import FrameType
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+from ..surroundings import SIGNALS, ignore_signals
 
 
 @contextmanager
@@ -22,16 +23,18 @@ def kept_interruption() -> Iterator[Callable[[], None]]:
     of a weak reference (the import of a module has one), a finaliser or a callback from C, the
     interpreter prints the exception and goes on: who pressed Ctrl-C would wait for the end.
     SIGTERM and SIGHUP, which would end the process where it stands, raise it too, so that what is
-    half written is removed; but only once, as a terminal that closes may send several. SIGHUP that
-    is ignored, as under nohup, stays so. Outside the main thread, which alone is given signals,
-    nothing is kept.
+    half written is removed; but only once, as a terminal that closes may send several. A second
+    SIGINT raises it again where the first was lost, not while what that began is cleaned up. SIGHUP
+    that is ignored, as under nohup, stays so. Outside the main thread, which alone is given
+    signals, nothing is kept.
     """
     came = threading.Event()
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         again = came.is_set()
         came.set()
-        if number == signal.SIGINT or not again:
+        is_ending = isinstance(sys.exc_info()[1], KeyboardInterrupt)
+        if not again or (number == signal.SIGINT and not is_ending):
             signal.default_int_handler(number, frame)
 
     def check() -> None:
@@ -51,7 +54,7 @@ def kept_interruption() -> Iterator[Callable[[], None]]:
 
 def _heeded() -> Iterator[signal.Signals]:
     """Yield the signals that interrupt."""
-    for number in _SIGNALS:
+    for number in SIGNALS:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             yield number
 
@@ -59,5 +62,4 @@ def _heeded() -> Iterator[signal.Signals]:
 def ignore_interruptions() -> None:
     """Let no signal interrupt the rest of `kept_interruption`: it is too late to stop."""
     if threading.current_thread() is threading.main_thread():
-        for number in _SIGNALS:
-            signal.signal(number, signal.SIG_IGN)
+        ignore_signals()

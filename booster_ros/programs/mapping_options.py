@@ -11,6 +11,7 @@ import os
 from pathlib import Path
 import shlex
 
+from ..legible import legible
 from ..records import COLUMNS, FURTHER, FileMapping, RecordError, is_bag, read_mapping
 from ..records.mapping import ColumnMapping
 from .path_argument import given_path
@@ -61,8 +62,3 @@ def pointing_to_inspect(path: Path | str) -> Iterator[None]:
 
 
 HINT = 'what the file holds says: python -m booster_ros inspect'
-
-
-def legible(path: Path | str) -> str:
-    """Return a path as text; bytes in it that are no UTF-8 become question marks."""
-    return os.fsencode(path).decode('utf-8', 'replace')

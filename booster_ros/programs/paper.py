@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 import sys
 
 import numpy as np
 
+from ..legible import legible
 from ..model.booster import Booster
 from ..model.simulation import simulate
 from ..model.system import PositionerParameters
@@ -19,8 +21,11 @@ from ..paper.comparison import comparison
 from ..paper.figures import draw_flow_bench, draw_identification
 from ..paper.printed import FlowSeries, table_1, table_3
 from ..paper.step_test import RESPONSE, STEP_CURRENT, StepResponse
+from ..surroundings import INTERRUPTED
 from .compiling import announce_compilation
+from .interruption import kept_interruption
 from .path_argument import given_path
+from .telling import complain
 
 SEED = 20170
 """Seed of the noise on the simulated records: the same numbers at every run."""
@@ -39,19 +44,21 @@ def main(args: Sequence[str] | None = None) -> int:
         description=(__doc__ or '') + " Prints the paper's numbers beside ours.")
     parser.add_argument('--out', type=given_path, help='folder for the plots (default: no plots)')
     out: Path | None = parser.parse_args(args).out
-    try:
-        if out is not None:
-            out.mkdir(parents=True, exist_ok=True)
-        announce_compilation()
-        report_table_3()
-        report_table_1(out)
-        report_identification(out)
-    except OSError as error:
-        print(f'paper: {error.filename}: {error.strerror}', file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print('paper: interrupted', file=sys.stderr)
-        return 130
+    with kept_interruption() as check:
+        try:
+            if out is not None:
+                out.mkdir(parents=True, exist_ok=True)
+            announce_compilation()
+            for report in (report_table_3, partial(report_table_1, out),
+                           partial(report_identification, out)):
+                report()
+                check()
+        except OSError as error:
+            complain('paper', f'{error.filename or out}: {error.strerror}')
+            return 2
+        except KeyboardInterrupt:
+            complain('paper', 'interrupted')
+            return INTERRUPTED
     return 0
 
 
@@ -103,7 +110,7 @@ def report_table_1(out: Path | None) -> None:
         path = out / 'table_1.png'
         draw_flow_bench(table, {
             'k, Max as printed': literal, 'refitted': refitted, 'with preload': preloaded}, path)
-        print(f'Plot: {path}\n')
+        print(f'Plot: {legible(path)}\n')
 
 
 def misfit_table(
@@ -128,7 +135,7 @@ def report_identification(out: Path | None) -> None:
     declared = PositionerParameters()
     random = np.random.default_rng(SEED)
     full = identification.step_record(declared, identification.FULL_CURRENT, random)
-    partial = identification.step_record(declared, identification.PARTIAL_CURRENT, random)
+    small = identification.step_record(declared, identification.PARTIAL_CURRENT, random)
     guess = declared._replace(booster=declared.booster._replace(
         opening_gain=WRONG_GAIN * declared.booster.opening_gain,
         max_area=WRONG_AREA * declared.booster.max_area))
@@ -140,7 +147,7 @@ def report_identification(out: Path | None) -> None:
         p = p._replace(booster=p.booster._replace(max_area=area.value))
         print(identified_line(f'Max, 0 → 1.16 mA, {turn}', PRINTED_AREA, guess.booster.max_area,
                               area))
-        gain = identification.identify(partial, p, 'opening_gain')
+        gain = identification.identify(small, p, 'opening_gain')
         p = p._replace(booster=p.booster._replace(opening_gain=gain.value))
         print(identified_line(f'k, 0 → 0.4292 mA, {turn}', PRINTED_GAIN,
                               guess.booster.opening_gain, gain))
@@ -151,8 +158,8 @@ def report_identification(out: Path | None) -> None:
     if out is not None:
         path = out / 'identification.png'
         draw_identification(
-            {'0 → 1.16 mA: Max': full, '0 → 0.4292 mA: k': partial}, guess, p, path)
-        print(f'\nPlot: {path}')
+            {'0 → 1.16 mA: Max': full, '0 → 0.4292 mA: k': small}, guess, p, path)
+        print(f'\nPlot: {legible(path)}')
 
 
 def identified_line(

@@ -16,15 +16,18 @@ from ..model.parameters import ParameterError, from_values
 from ..model.loop_start import start_of_run
 from ..model.stream import Stream, command_name
 from ..model.system import PositionerParameters
+from ..model.undefined import UNDEFINED
 from ..parameters.file import read_parameter_file
 from ..records import CsvWriter, RecordError, check_inputs_stay
 from ..run_error import RunError
+from ..surroundings import INTERRUPTED
 from .compiling import announce_compilation
 from .input_rows import PROCESS, InputRows, input_rows
 from .interruption import ignore_interruptions, kept_interruption
 from .mapping_options import add_mapping_options, mapping_for
 from .path_argument import given_path
 from .progress_bar import ProgressBar
+from .telling import complain
 
 OUTPUT = {
     'time': 'time',
@@ -41,15 +44,15 @@ OUTPUT = {
 def main(args: Sequence[str] | None = None) -> int:
     """Simulate a file into another; return the exit status."""
     options = _parser().parse_args(args)
-    try:
-        with kept_interruption() as check:
+    with kept_interruption() as check:
+        try:
             _simulate(options, check)
-    except (ParameterError, RecordError, RunError) as error:
-        print(f'simulate: {error}', file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print('simulate: interrupted, nothing was written', file=sys.stderr)
-        return 130
+        except (ParameterError, RecordError, RunError) as error:
+            complain('simulate', error)
+            return 2
+        except KeyboardInterrupt:
+            complain('simulate', 'interrupted, nothing was written')
+            return INTERRUPTED
     return 0
 
 
@@ -60,7 +63,7 @@ def _simulate(options: argparse.Namespace, check: Callable[[], None]) -> None:
     mapping = mapping_for(options.input, options)
     source = input_rows(options.input, command, mapping, parameters.actuator.travel)
     for note in source.notes:
-        print(f'{options.input}: {note}', file=sys.stderr, flush=True)
+        complain(str(options.input), note)
     announce_compilation()
     run(parameters, source, options.out, check)
 
@@ -104,11 +107,14 @@ def run(
     ):
         command = source.command
         begin, first, initial = source.first()
-        state, departure = start_of_run(parameters, 0.0, first, initial)
         pushes = PROCESS in initial and parameters.actuator.plug_area != 0.0
         pinned = (PROCESS,) if pushes else ()
-        # what depends on time (drift, ripple) begins where the record begins
-        stream = Stream(parameters, 0.0, first, state, pinned, departure=departure)
+        try:
+            state, departure = start_of_run(parameters, 0.0, first, initial)
+            # what depends on time (drift, ripple) begins where the record begins
+            stream = Stream(parameters, 0.0, first, state, pinned, departure=departure)
+        except UNDEFINED:
+            raise RunError('with these parameters the model has no state to start from') from None
         ahead: tuple[dict[str, np.ndarray], Future[dict[str, np.ndarray]]] | None = None
         for time, commands, held in source.portions(pinned):
             # machine code needs no interpreter: meanwhile the portion before is written

@@ -11,7 +11,7 @@ from booster_ros.records.csv_file import (
     CsvWriter, csv_columns, csv_header_notes, first_row, iterate_csv, read_csv)
 from booster_ros.records.mapping import FileMapping, read_mapping
 from booster_ros.records.open_table import is_table
-from booster_ros.records.record import COLUMNS, FURTHER, Defect, Record, RecordError
+from booster_ros.records.record import COLUMNS, FURTHER, Defect, Record, RecordError, needs_rosbags
 from booster_ros.records.target import check_inputs_stay
 
 __all__ = [
@@ -48,9 +48,7 @@ def read_record(
         try:
             from booster_ros.records.bag_reader import read_bag
         except ModuleNotFoundError as missing:
-            raise RecordError(
-                f'{path}: reading a bag needs the Python package {missing.name}, which is not '
-                'installed') from None
+            raise needs_rosbags(f'{path}: reading a bag', missing) from None
         return clean(*read_bag(path, topics, stamps, mapping))
     if mapping is not None or is_table(path):
         # nor does it need pandas and pint

@@ -13,6 +13,8 @@ import numpy as np
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
+from booster_ros.records.bag_limits import (
+    check_metadata, check_packed_files, unpack_myself, unpacked_message)
 from booster_ros.records.bag_mapping import (
     Samples, Unread, in_si, mapped_channels, notes_on_clocks, notes_on_commands)
 from booster_ros.records.bag_topics import (
@@ -117,7 +119,11 @@ def _read_samples(
     path: Path, topics: Mapping[str, str] | None, stamps: str, mapping: FileMapping | None
 ) -> tuple[dict[Channel, Samples], list[Defect]]:
     types = get_typestore(Stores.ROS2_JAZZY)
+    if path.is_dir():
+        check_metadata(path)
+        check_packed_files(path)
     with Reader(path) as bag:
+        packed = unpack_myself(bag)
         available = {connection.topic: connection.msgtype for connection in bag.connections}
         channels = (choose_channels(available, topics, stamps) if mapping is None
                     else mapped_channels(available, mapping, stamps))
@@ -130,7 +136,8 @@ def _read_samples(
         raw: dict[Channel, list[tuple[int, int, float]]] = {channel: [] for channel in channels}
         joints: dict[Channel, set[str]] = {channel: set() for channel in channels}
         for connection, received, data in bag.messages(wanted):
-            message = types.deserialize_cdr(data, connection.msgtype)
+            message = types.deserialize_cdr(
+                unpacked_message(data) if packed else data, connection.msgtype)
             stamp = _header_stamp(message)
             left.see(connection.topic, message, received, stamp)
             for channel in by_topic[connection.topic]:

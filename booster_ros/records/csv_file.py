@@ -3,7 +3,7 @@
 """Read CSV records, whole or in chunks of rows, and write them row by row."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 import os
@@ -21,6 +21,7 @@ from booster_ros.records.guarded import (
 from booster_ros.records.record import COLUMNS, Array, Defect, RecordError
 from booster_ros.records.target import replaced_by
 from booster_ros.records.units import check_finite, check_units
+from booster_ros.writing.replacement import Replacement
 
 _DECIMALS = {'s': 6, 'A': 12, 'Pa': 3, 'm': 9, 'kg/s': 12}
 """Written decimals by unit, well below the resolution of any sensor."""
@@ -198,12 +199,11 @@ class CsvWriter:
         self._decimals = [places for places in decimals if places is not None]
         self._row = ','.join(
             '%.9g' if places is None else f'%.{places}f' for places in decimals) + '\n'
-        self._unfinished = self._target.with_name(f'.{self._target.name}.{os.getpid()}.partial')
         try:
-            self._file = self._unfinished.open('wb')
-            self._file.write((','.join(columns) + '\n').encode('ascii'))
+            self._file = Replacement(self._target)
         except OSError as error:
-            raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
+            raise self._failed(error) from None
+        self._write((','.join(columns) + '\n').encode('ascii'))
 
     def write_rows(self, values: Array) -> None:
         """Append rows x columns of values, NaN where one is missing."""
@@ -213,33 +213,34 @@ class CsvWriter:
             lines = fixed_lines(table, self._decimals)
         if lines is None:
             lines = (self._row * len(table) % tuple(table.ravel().tolist())).encode('ascii')
-        try:
-            self._file.write(lines)
-        except OSError as error:
-            raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
+        self._write(lines)
 
     def spare(self) -> None:
         """Keep a file that has the wanted name: write to NAME.partial.csv instead, for good."""
         if self._target.exists():
             name = f'{self._target.stem}.partial{self._target.suffix}'
-            self._target = replaced_by(self._target.with_name(name))
+            self._target = self._file.target = replaced_by(self._target.with_name(name))
             self.path = self._target
 
     def close(self) -> None:
         """Complete the file and give it its name."""
         try:
-            self._file.close()
-            os.replace(self._unfinished, self._target)
+            self._file.complete()
         except OSError as error:
-            self.discard()
-            raise RecordError(f'{self.path} cannot be written: {error.strerror}') from None
+            raise self._failed(error) from None
 
     def discard(self) -> None:
         """Remove what was written."""
-        with suppress(OSError):  # a full disk takes not even the last of it
-            self._file.close()
-        with suppress(OSError):  # the first failure is worth more than this one
-            self._unfinished.unlink(missing_ok=True)
+        self._file.discard()
+
+    def _write(self, data: bytes) -> None:
+        try:
+            self._file.write(data)
+        except OSError as error:
+            raise self._failed(error) from None
+
+    def _failed(self, error: OSError) -> RecordError:
+        return RecordError(f'{self.path} cannot be written: {error.strerror}')
 
     def __enter__(self) -> 'CsvWriter':
         """Return the writer."""

@@ -14,6 +14,9 @@ from booster_ros.records.guarded import MOST_COLUMNS
 from booster_ros.records.record import (
     COLUMNS, UNKNOWN_COLUMN, Defect, RecordError)
 
+_LONGEST_NAME = 100
+"""Characters of a name that may mean a column."""
+
 _BYTE_ORDER_MARK = b'\xef\xbb\xbf'
 _OTHER_ENCODINGS = {
     b'\xff\xfe': 'UTF-16',
@@ -116,6 +119,10 @@ def _decode(line: bytes, source: str) -> str:
     return text
 
 
+def _quoted(cell: str) -> str:
+    return repr(cell.strip()[:_LONGEST_NAME])
+
+
 def _normalised(cell: str) -> str:
     return cell.strip().lower().replace(' ', '_').replace('-', '_')
 
@@ -123,6 +130,8 @@ def _normalised(cell: str) -> str:
 def _without_unit(cell: str) -> tuple[str, str]:
     """Return the name of a column, and the unit behind it where it is not that in `COLUMNS`."""
     name = _normalised(cell)
+    if len(name) > _LONGEST_NAME:
+        return name, ''
     parts = re.fullmatch(r'(\w+?)_*[\[(](.*)[\])]', name)
     if parts is None or parts[1] not in COLUMNS:
         return name, ''
@@ -135,7 +144,7 @@ def _without_unit(cell: str) -> tuple[str, str]:
 def _converted(name: str, written: str, cell: str, source: str) -> tuple[Conversion, str]:
     """Return the conversion of a unit in the header, and the note; RecordError where it is none."""
     unit = parsed_unit(written)
-    where = f'{source}, row 1, column {cell!r}'
+    where = f'{source}, row 1, column {_quoted(cell)}'
     wanted = COLUMNS[name].unit
     if unit is None:
         raise RecordError(f'{where}: {written[:40]!r} is no unit that is known; {name} is in '
@@ -151,13 +160,15 @@ def _converted(name: str, written: str, cell: str, source: str) -> tuple[Convers
 
 
 def _ignored(cell: str, place: int) -> Defect:
-    label = cell.strip() or f'number {place + 1}'
+    label = cell.strip()[:_LONGEST_NAME] or f'number {place + 1}'
     treatment = f'not a column of a record, ignored{_question(cell)}'
     return Defect(UNKNOWN_COLUMN, label, 1, 1, 1, treatment)
 
 
 def _question(cell: str) -> str:
     """Return the question whether a known column of a similar name is meant, '' without one."""
+    if len(cell) > _LONGEST_NAME:
+        return ''
     near = difflib.get_close_matches(_normalised(cell), COLUMNS, n=1, cutoff=0.75)
     return f' (is it {near[0]}?)' if near else ''
 
@@ -172,13 +183,13 @@ def _refuse_disguised_time(cells: list[str], source: str) -> None:
     for cell in cells:
         if names_the_time(cell):
             raise RecordError(
-                f'{source}, row 1: column {cell.strip()!r} looks like the time; call it time, in '
-                'seconds, or leave it out'
+                f'{source}, row 1: column {_quoted(cell)} looks like the time; call it time, '
+                'in seconds, or leave it out'
             )
 
 
 def names_the_time(name: str) -> bool:
     """Tell whether a column has a name that means the time."""
-    words = re.findall('[a-z]+', _normalised(name))
+    words = re.findall('[a-z]+', _normalised(name[:_LONGEST_NAME]))
     return bool(_TIME_IN_FIRST_PLACE & set(words[:1])) or any(
         map(_TIME_IN_ANY_PLACE.fullmatch, words))

@@ -19,6 +19,9 @@ from booster_ros.records.guarded import LONGEST_LINE, endless_line
 from booster_ros.records.record import Array, RecordError
 
 _BLOCK_BYTES = 4 << 20
+_ODD_SPACES = (b'\xa0', b'\x85')
+"""Bytes that numpy takes for spaces and that are none in UTF-8: what is refused elsewhere is so."""
+
 _MISSING = frozenset({'', 'nan', 'na', 'n/a', 'null', 'none'})
 
 
@@ -26,16 +29,26 @@ def line_blocks(file: BinaryIO, source: str) -> Iterator[bytes]:
     """
     Yield the rest of a file in blocks of whole lines that end in a line feed.
 
-    RecordError where a line is longer than those of a table.
+    RecordError where a line is longer than `LONGEST_LINE` bytes: it would be kept whole in memory.
     """
-    while block := file.read(_BLOCK_BYTES):
+    left = b''
+    while data := file.read(_BLOCK_BYTES):
         rest = file.readline(LONGEST_LINE + 1)
-        if len(rest) > LONGEST_LINE:
-            raise endless_line(source)
-        block += rest
-        if b'\r' in block:
-            block = block.replace(b'\r\n', b'\n').replace(b'\r', b'\n')
-        yield block if block.endswith(b'\n') else block + b'\n'
+        block, left = left + data + rest, b''
+        if len(rest) > LONGEST_LINE:  # no line feed: lines may end in carriage returns alone
+            end = block.rfind(b'\r', 0, -1) + 1
+            if end < len(block) - LONGEST_LINE:
+                raise endless_line(source)
+            block, left = block[:end], block[end:]
+        yield _with_line_feeds(block)
+    if left:
+        yield _with_line_feeds(left)
+
+
+def _with_line_feeds(block: bytes) -> bytes:
+    if b'\r' in block:
+        block = block.replace(b'\r\n', b'\n').replace(b'\r', b'\n')
+    return block if block.endswith(b'\n') else block + b'\n'
 
 
 def parse_block(block: bytes, first_row: int, header: Header, source: str) -> tuple[Array, Array]:
@@ -71,7 +84,7 @@ def _parse_at_once(block: bytes, header: Header) -> Array | None:
 
 def _is_rectangular(block: bytes, header: Header) -> bool:
     """Tell whether every line has as many cells as the header; quotes take the slower way."""
-    if b'"' in block or not block.strip():
+    if b'"' in block or not block.strip() or any(space in block for space in _ODD_SPACES):
         return False
     characters = np.frombuffer(block, dtype=np.uint8)
     ends = np.flatnonzero(characters == ord('\n'))

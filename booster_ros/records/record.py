@@ -14,6 +14,13 @@ class RecordError(ValueError):
     """A record cannot be used; the message is one sentence that names file, row and column."""
 
 
+def needs_rosbags(purpose: str, missing: ModuleNotFoundError) -> RecordError:
+    """Return the error to raise where a bag is asked for, and nothing reads or writes bags."""
+    return RecordError(
+        f'{purpose} needs the Python package {missing.name}, which is not installed: pip install '
+        'rosbags')
+
+
 @dataclass(frozen=True)
 class Column:
     """

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from booster_ros.records.csv_file import CsvWriter
+from booster_ros.records.record import needs_rosbags
 from booster_ros.records.row_builder import Row, RowBuilder
 
 _ROWS_AT_ONCE = 100
@@ -45,9 +46,12 @@ class Recording:
         self._bag = None
         if bag_path:
             # Only who asks for a bag needs rosbags.
-            from booster_ros.records.bag_writer import BagWriter
             try:
+                from booster_ros.records.bag_writer import BagWriter
                 self._bag = BagWriter(bag_path, list(topics.values()), bag_format)
+            except ModuleNotFoundError as missing:
+                self.discard()
+                raise needs_rosbags(f'{bag_path}: writing a bag', missing) from None
             except BaseException:
                 self.discard()
                 raise

@@ -24,6 +24,15 @@ stem has to follow; where the current or the back pressure does, the chamber has
 FEWEST_ROWS = 12
 """Smallest number of rows that must be comparable."""
 
+CLOSEST_ROWS = 1e-6
+"""Time from row to row, s, below which no valve is recorded: it is of another unit."""
+
+LONGEST_SWEEP = 2e5
+"""Longest time, s, that the rows of a sweep stand altogether: a run over more takes minutes."""
+
+LONGEST_GAP = 3600.0
+"""A gap longer than this, s, and than all the rest of a record leaves nothing to go on from."""
+
 
 @dataclass(frozen=True)
 class Rows:
@@ -48,7 +57,17 @@ class Rows:
 
 
 def aligned(record: Record, declared: PositionerParameters, dwell: float | None) -> Rows:
-    """Return the rows of a record that can be used, their drives known and on one clock."""
+    """
+    Return the rows of a record that can be used, their drives known and on one clock.
+
+    RecordError where the record or its time is such that no run of the model over it would help.
+    """
+    if len(record) < FEWEST_ROWS:
+        raise RecordError(
+            f'{record.source}: only {len(record)} row{"s" if len(record) > 1 else ""}, at least '
+            f'{FEWEST_ROWS} are needed')
+    if 'time' in record:
+        _check_time(record)
     record, beside = _without_loop(record)
     record, idle = _without_idle_command(record)
     needed = roles(record.columns, record.source, record.ignored).compared
@@ -62,6 +81,7 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
     begins = 0.0
     if time is None:
         time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
+        _check_sweep(time, record.source)
     else:
         columns |= {name: between_samples(time, values) for name, values in sampled.items()}
         if time[0] != 0.0:  # what warms up or swings does so from where the record begins
@@ -82,6 +102,31 @@ def _without_loop(record: Record) -> tuple[Record, tuple[str, ...]]:
     return replace(record, columns=others), tuple(
         f'{name} is read and not used: what lies downstream of the control current is judged'
         for name in beside)
+
+
+def _check_time(record: Record) -> None:
+    """Raise RecordError where rows are closer than a valve's, or a gap is longer than all else."""
+    time = record['time']
+    steps = np.diff(time)
+    if np.median(steps) < CLOSEST_ROWS:
+        raise RecordError(
+            f'{record.source}, column time: rows are {np.median(steps):.3g} s apart, and no valve '
+            'is recorded so: time must be in s')
+    longest = int(np.argmax(steps))
+    if LONGEST_GAP < steps[longest] > 0.5 * (time[-1] - time[0]):
+        raise RecordError(
+            f'{record.source}, row {record.rows[longest + 1]}, column time: a gap of '
+            f'{steps[longest]:.4g} s, longer than all the rest of the record: make two records of '
+            'it, one before and one behind the gap')
+
+
+def _check_sweep(time: Array, source: str) -> None:
+    """Raise RecordError where the rows of a sweep stand so long that a run takes minutes."""
+    if time[-1] > LONGEST_SWEEP:
+        raise RecordError(
+            f'{source}: no time, so it would be a quasi-static sweep of {len(time)} rows that '
+            f'stand {time[1] - time[0]:g} s each, {time[-1]:.3g} s altogether: a record in time '
+            'needs the column time, a sweep needs fewer rows, or rows that stand for less')
 
 
 def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
