@@ -11,6 +11,7 @@ from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
 HERE = Path(__file__).resolve().parent
+URDF = HERE.parent / 'urdf' / 'control_valve.urdf'
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -21,7 +22,7 @@ def generate_launch_description() -> LaunchDescription:
         Node(
             package='robot_state_publisher',
             executable='robot_state_publisher',
-            parameters=[{'robot_description': (HERE / 'valve.urdf').read_text()}],
+            parameters=[{'robot_description': URDF.read_text()}],
             remappings=[('joint_states', 'valve_position_stamped')],
         ),
         Node(package='rviz2', executable='rviz2', arguments=['-d', str(HERE / 'valve.rviz')]),

@@ -30,6 +30,12 @@ def generate_launch_description() -> LaunchDescription:
                 description='ROS 2 parameter file of the positioner; its controller must be on',
             ),
             DeclareLaunchArgument(
+                'log_level',
+                default_value='info',
+                choices=['debug', 'info', 'warn', 'error', 'fatal'],
+                description='least severity of what nodes log',
+            ),
+            DeclareLaunchArgument(
                 'use_sim_time',
                 default_value='false',
                 choices=['true', 'false'],
@@ -40,7 +46,10 @@ def generate_launch_description() -> LaunchDescription:
                 executable='positioner',
                 name='positioner',
                 # not among `parameters`: a file that is not there would be passed over
-                ros_arguments=['--params-file', LaunchConfiguration('params_file')],
+                ros_arguments=[
+                    '--params-file', LaunchConfiguration('params_file'),
+                    '--log-level', LaunchConfiguration('log_level'),
+                ],
                 parameters=[use_sim_time],
                 # joint_states itself is what the broadcaster publishes
                 remappings=[('valve_position_stamped', 'valve_joint_states')],

@@ -9,20 +9,8 @@ from xml.etree import ElementTree
 import pytest
 from ros_process import ROOT
 
-from booster_ros.model.actuator import Actuator
-from booster_ros.nodes.outputs import JOINT_NAME
-
 EXAMPLES = ROOT / 'examples'
 PLOTTED = {'control_current', 'chamber_pressure', 'valve_position'}
-
-
-def test_the_joint_of_the_picture_is_that_of_the_positioner():
-    joint, = ElementTree.parse(EXAMPLES / 'valve.urdf').getroot().iter('joint')
-    limit = joint.find('limit')
-    assert joint.get('name') == JOINT_NAME
-    assert limit is not None
-    assert (float(limit.get('lower', '')), float(limit.get('upper', ''))) == (
-        0.0, Actuator().travel)
 
 
 def test_layouts_show_topics_of_the_positioner():

@@ -169,9 +169,9 @@ def test_portions_are_the_same_as_the_whole_with_a_dead_time_as_well(tmp_path, m
     text = 'time,control_current\n' + ''.join(
         f'{t:.6f},{i!r}\n' for t, i in zip(time.tolist(), current.tolist(), strict=True))
     whole = run_here(tmp_path, params, text)
-    original = program.iterate_csv
+    original = input_rows.iterate_csv
     monkeypatch.setattr(
-        program, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
+        input_rows, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
     portions = run_here(tmp_path, params, text)
     for name, column in whole.items():
         assert np.array_equal(portions[name], column), name

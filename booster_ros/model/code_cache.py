@@ -114,7 +114,7 @@ def _is_whole(path: Path) -> bool:
 def keep_sealed(dispatcher: Any) -> None:
     """Let numba keep the code of a function, for which it keeps files already, in sealed files."""
     kept = dispatcher._cache._cache_file
-    kept.__class__ = _sealed_files(type(kept))
+    kept.__class__ = _sealed_files(type(kept))  # type: ignore[arg-type]
 
 
 @functools.cache

@@ -136,11 +136,11 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Header, BinaryIO]]:
     try:
         with open(path, 'rb') as file:
             first_line = file.readline(LONGEST_LINE + 1)
-            if len(first_line) > LONGEST_LINE:
-                raise endless_line(str(path))
             if b'\r' in first_line.rstrip(b'\r\n'):
                 first_line = first_line.split(b'\r', 1)[0] + b'\r'
                 file.seek(len(first_line))
+            if len(first_line) > LONGEST_LINE:
+                raise endless_line(str(path))
             if not first_line.strip():
                 raise RecordError(f'{path}: the first row is empty, it must name the columns')
             yield read_header(first_line, str(path)), file

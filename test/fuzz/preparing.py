@@ -10,7 +10,7 @@ import random
 
 import numpy as np
 
-from booster_ros.diagnosis.preparing.preparation import prepare
+from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
