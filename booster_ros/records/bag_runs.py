@@ -47,7 +47,7 @@ def chosen_run(
     """
     Return which samples of each channel are used, and a note.
 
-    They are all, unless the clock was set on the way; then those of the run that the mapping names.
+    They are all, unless the clock was set on the way; then those of the run that is mapped.
     RecordError where it names none, or one that is not there.
     """
     starts = run_starts(times.values())

@@ -75,7 +75,7 @@ def _rows(source: str, sheet: str | None) -> Iterator[Sequence[Any]]:
 
 
 def _alike(sample: Sequence[Sequence[Any]]) -> list[list[str]]:
-    """Return rows as texts, as wide as the widest: cells beyond the last one filled are left out."""
+    """Return rows as texts, all as wide as the widest: what is filled."""
     texts = [[_text(cell) for cell in row] for row in sample]
     width = max((place for row in texts for place, cell in enumerate(row, 1) if cell), default=0)
     return [row[:width] + [''] * (width - len(row)) for row in texts]
