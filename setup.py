@@ -11,7 +11,8 @@ setup(
     name=package_name,
     version='0.1.0',
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={package_name: ['py.typed', 'paper/data/*.csv', 'report/page.html']},
+    package_data={package_name: ['py.typed', 'paper/data/*.csv', 'report/templates/*.html',
+                                 'report/plotly/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
         ('share/' + package_name, ['package.xml']),
@@ -28,6 +29,8 @@ setup(
         'test': ['pytest'],
         # files of others: units, workbooks, MATLAB 7.3, Parquet and Feather
         'files': ['h5py', 'openpyxl', 'pandas', 'pint', 'pyarrow'],
+        # many valves side by side, and their table as Parquet
+        'fleet': ['distributed', 'pyarrow'],
     },
     python_requires='>=3.10',
     zip_safe=False,

@@ -127,7 +127,7 @@ def test_a_bag_whose_clock_was_set_has_runs(tmp_path, inspected):
     late = [(topic, kind, stamp - START + 10**9, message)
             for topic, kind, stamp, message in (*rest, *pressures(ATMOSPHERE)[20:])]
     bag = write_bag(tmp_path / 'bag', [*both, *late])
-    with pytest.raises(RecordError, match='clock was set .*2 runs.*1: 60 messages .*run: 1'):
+    with pytest.raises(RecordError, match=r'clock was set .*2 runs.*1: 60 messages .*run: 1'):
         read_record(bag)
     text, path = inspected(bag)
     assert 'the mapping takes 1' in text
