@@ -46,6 +46,7 @@ setup(
             'simulate = booster_ros.__main__:simulate',
             'inspect = booster_ros.__main__:inspect',
             'close_loop = booster_ros.__main__:close_loop',
+            'fleet = booster_ros.__main__:fleet',
             'metrics = booster_ros.__main__:metrics',
             'paper = booster_ros.__main__:paper',
             'demo = booster_ros.__main__:demo',

@@ -25,6 +25,9 @@ PROGRAMS = {
         'booster_ros.programs.close_loop',
         'say what the model lacks, judged by a record, and write the model that has it',
     ),
+    'fleet': (
+        'booster_ros.programs.fleet',
+        'run close_loop over the valves of a plant, and say which need attention'),
     'metrics': (
         'booster_ros.programs.metrics',
         'step response, dead band and hunting of a valve, from set point and position',
@@ -83,8 +86,8 @@ def start(name: str, args: list[str] | None = None) -> int:
 
 
 # what setup.py installs
-positioner, fake_controller, simulate, inspect, close_loop, metrics, paper, demo, campaign = (
-    partial(start, name) for name in PROGRAMS)
+(positioner, fake_controller, simulate, inspect, close_loop, fleet, metrics, paper, demo,
+ campaign) = (partial(start, name) for name in PROGRAMS)
 
 
 if __name__ == '__main__':
