@@ -9,6 +9,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 import importlib
 import logging
+import signal
+import threading
 from typing import Any
 
 from .manifest import FleetError
@@ -102,6 +104,26 @@ def _outcome(future: Any, order: Order) -> Outcome | None:
 
 
 @contextmanager
+def _not_for_children() -> Iterator[None]:
+    """
+    Keep Ctrl-C, and the end of a terminal, from processes that are started within.
+
+    Both go to all processes of a terminal. A worker that ends by itself cannot be told any more to
+    end the diagnoses that it runs. What comes within the second that this takes is lost.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    kept = {number: signal.signal(number, signal.SIG_IGN)
+            for number in (signal.SIGINT, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
 def _client(scheduler: str, jobs: int) -> Iterator[Any]:
     """Yield a client of the scheduler, or of workers that end with it."""
     try:
@@ -113,9 +135,10 @@ def _client(scheduler: str, jobs: int) -> Iterator[Any]:
     with ExitStack() as stack:
         target: Any = scheduler
         if not scheduler:
-            target = stack.enter_context(distributed.LocalCluster(
-                n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=None,
-                silence_logs=logging.CRITICAL))
+            with _not_for_children():
+                target = stack.enter_context(distributed.LocalCluster(
+                    n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=None,
+                    silence_logs=logging.CRITICAL))
         try:
             client = stack.enter_context(distributed.Client(target, timeout=_PATIENCE))
             if scheduler:

@@ -51,7 +51,7 @@ def measured_and_models(view: View) -> Figure:
     figure.update_layout(shapes=[*strips, *_locked(view, range(2, len(heights) + 1))])
     figure.update_yaxes(visible=False, fixedrange=True, range=[0, 1], row=1, col=1)
     figure.update_xaxes(showgrid=False, ticks='', row=1, col=1)
-    return _over_time(figure, view)
+    return _over_time(figure, view, len(heights))
 
 
 def residuals_over_time(view: View) -> Figure:
@@ -66,7 +66,7 @@ def residuals_over_time(view: View) -> Figure:
                   label, name, shown=row == 1, width=1.0)
         _title(figure, row, _residual_label(name))
     figure.update_layout(shapes=shapes)
-    return _over_time(figure, view)
+    return _over_time(figure, view, len(view.channels))
 
 
 def residuals_over_variable(view: View, variables: dict[str, str]) -> Figure:
@@ -181,14 +181,13 @@ def _line(figure: Figure, row: int, x: Array, y: Array, colour: str, label: str,
         hovertemplate=f'%{{y:.5~g}}{f" {unit}" if unit else ""}'), row, 1)
 
 
-def _over_time(figure: Figure, view: View) -> Figure:
+def _over_time(figure: Figure, view: View, last: int) -> Figure:
     """Return a figure whose panels have one time, zoomed together and read together."""
     begins = view.diagnosis.experiment.begins
     label = f'time from {begins:.9g} s on, s' if begins else 'time, s'
     figure.update_layout(hovermode='x unified', hoversubplots='axis')
     figure.update_xaxes(range=[float(view.time[0]), float(view.time[-1])],
                         hoverformat='.6~g', unifiedhovertitle={'text': '%{x} s'})
-    last = len(figure._grid_ref)
     figure.update_xaxes(title_text=label, row=last, col=1)
     return figure
 
