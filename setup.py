@@ -11,7 +11,8 @@ setup(
     name=package_name,
     version='0.1.0',
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={package_name: ['py.typed', 'paper/data/*.csv', 'report/page.html']},
+    package_data={package_name: ['py.typed', 'paper/data/*.csv', 'report/templates/*.html',
+                                 'report/plotly/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
         ('share/' + package_name, ['package.xml']),
@@ -31,6 +32,8 @@ setup(
         'bags': ['rosbags'],
         # files of others: units, workbooks, MATLAB 7.3, Parquet and Feather
         'files': ['h5py', 'openpyxl', 'pandas', 'pint', 'pyarrow'],
+        # many valves side by side, and their table as Parquet
+        'fleet': ['distributed', 'pyarrow'],
     },
     python_requires='>=3.10',
     zip_safe=False,
@@ -46,6 +49,7 @@ setup(
             'simulate = booster_ros.__main__:simulate',
             'inspect = booster_ros.__main__:inspect',
             'close_loop = booster_ros.__main__:close_loop',
+            'fleet = booster_ros.__main__:fleet',
             'metrics = booster_ros.__main__:metrics',
             'paper = booster_ros.__main__:paper',
             'demo = booster_ros.__main__:demo',

@@ -31,6 +31,9 @@ PROGRAMS = {
         'booster_ros.programs.close_loop',
         'say what the model lacks, judged by a record, and write the model that has it',
     ),
+    'fleet': (
+        'booster_ros.programs.fleet',
+        'run close_loop over the valves of a plant, and say which need attention'),
     'metrics': (
         'booster_ros.programs.metrics',
         'step response, dead band and hunting of a valve, from set point and position',
@@ -116,8 +119,8 @@ def in_a_process_of_its_own(name: str, run: Callable[[], int]) -> int:
 
 
 # what setup.py installs
-positioner, fake_controller, simulate, inspect, close_loop, metrics, paper, demo, campaign = (
-    partial(in_a_process_of_its_own, name, partial(start, name)) for name in PROGRAMS)
+(positioner, fake_controller, simulate, inspect, close_loop, fleet, metrics, paper, demo,
+ campaign) = (partial(in_a_process_of_its_own, name, partial(start, name)) for name in PROGRAMS)
 
 
 if __name__ == '__main__':

@@ -4,6 +4,7 @@
 
 from functools import cache
 from html.parser import HTMLParser
+import json
 import re
 
 from made_diagnosis import MADE
@@ -21,18 +22,32 @@ def made_page(name: str) -> str:
     return html_page(MADE[name](), FROM)
 
 
+def drawn_texts(part):
+    """Return the texts that are drawn of a plot: titles of axes, and names in the legend."""
+    if isinstance(part, list):
+        return [text for one in part for text in drawn_texts(one)]
+    if not isinstance(part, dict):
+        return []
+    own = [part[key] for key in ('text', 'name') if isinstance(part.get(key), str)]
+    return own + [text for one in part.values() for text in drawn_texts(one)]
+
+
 class Page(HTMLParser):
     """A page taken apart: its texts, ids and what it refers to; fails where tags do not match."""
 
     def __init__(self, text):
         super().__init__()
         self.open, self.texts, self.ids, self.references, self.tags = [], [], [], [], []
+        self.plots, self._plot = {}, ''
         self.feed(text)
         self.close()
         assert self.open == []
+        self.plots = {name: json.loads(text) for name, text in self.plots.items()}
+        self.texts += [text for plot in self.plots.values() for text in drawn_texts(plot)]
 
     def handle_starttag(self, tag, attributes):
         self.tags.append(tag)
+        self._plot = dict(attributes).get('data-plot', '')
         for name, value in attributes:
             if name == 'id':
                 self.ids.append(value)
@@ -49,9 +64,12 @@ class Page(HTMLParser):
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
+        self._plot = ''
 
     def handle_data(self, data):
-        if self.open and self.open[-1] != 'style':
+        if self._plot:
+            self.plots[self._plot] = self.plots.get(self._plot, '') + data
+        elif self.open and self.open[-1] not in ('style', 'script'):
             self.texts.append(' '.join(data.split()))
 
     @property

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lines with which docs/records.md begins, typed as they stand."""
 
+import json
 import os
 from pathlib import Path
 import re
@@ -14,17 +15,21 @@ import numpy as np
 import pytest
 from ros_process import ROOT
 
-from booster_ros.diagnosis.prepare.plausibility import check_scales
-from booster_ros.model.parameters import from_values
-from booster_ros.parameters.file import read_parameter_file
-from booster_ros.programs import close_loop
-from booster_ros.programs.mapping_options import mapping_for
 from booster_ros.records import COLUMNS, FURTHER, read_mapping, read_record
 
 PAGE = (ROOT / 'docs' / 'records.md').read_text(encoding='utf-8')
 LINES = [line for block in re.findall(r'^```\n(.*?)^```', PAGE.split('## The mapping')[0],
                                       flags=re.MULTILINE | re.DOTALL)
          for line in block.splitlines()]
+
+
+def typed(line, place) -> None:
+    """Run a line of the page in a folder, as in a shell."""
+    command = re.sub(r'^python ', f'{shlex.quote(sys.executable)} ', line)
+    done = subprocess.run(
+        ['bash', '-c', command], cwd=place, capture_output=True, text=True, check=False,
+        timeout=300, env={**os.environ, 'PYTHONPATH': str(ROOT)})
+    assert done.returncode == 0, (line, done.stderr)
 
 
 @pytest.fixture(scope='module')
@@ -35,11 +40,7 @@ def folder(tmp_path_factory) -> Path:
         (place / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, place / name)
     for line in LINES[:-1]:
-        command = re.sub(r'^python ', f'{shlex.quote(sys.executable)} ', line)
-        done = subprocess.run(
-            ['bash', '-c', command], cwd=place, capture_output=True, text=True, check=False,
-            timeout=300, env={**os.environ, 'PYTHONPATH': str(ROOT)})
-        assert done.returncode == 0, (line, done.stderr)
+        typed(line, place)
     return place
 
 
@@ -55,20 +56,18 @@ def test_the_file_that_comes_out_is_the_record_that_was_exported(folder):
                          ('control_current', 1e-9)):
         apart = np.abs(written[name] - original[name][::5])[~missing]
         assert apart.max() < digits, name
-    assert '<svg' in (folder / 'valve_7.html').read_text()
+    assert 'data-plot="look"' in (folder / 'valve_7.html').read_text()
 
 
-def test_the_last_line_reads_the_record_that_it_searches(folder, monkeypatch):
-    """The search itself takes minutes; what it is given is checked here."""
-    monkeypatch.chdir(folder)
-    words = shlex.split(LINES[-1])
-    assert words[:4] == ['python', '-m', 'booster_ros', 'close_loop']
-    options = close_loop._parser().parse_args(words[4:])
-    declared = from_values(read_parameter_file(options.params).physical)
-    record = read_record(options.record, mapping=mapping_for(options.record, options),
-                         travel=declared.actuator.travel)
-    check_scales(record.columns, declared, record.source)
-    assert {'time', 'control_current', 'chamber_pressure', 'valve_position'} == set(record.columns)
+def test_the_last_line_ends_in_a_report(folder):
+    """It takes a minute, and is the one way from an export to a report that is all typed."""
+    typed(LINES[-1], folder)
+    report = json.loads((folder / 'result' / 'report.json').read_text(encoding='utf-8'))
+    key = json.loads((ROOT / 'test' / 'samples' / 'key.json').read_text(encoding='utf-8'))
+    assert [one['name'] for one in report['effects']] == ['chamber_leak']
+    assert 'chamber_leak' in key['sample_chamber_leak']['names']
+    assert any('mean none' in note for note in report['notes'])
+    assert 'docs/examples/valve_7.txt' in (folder / 'result' / 'report.html').read_text()
 
 
 def test_the_example_of_a_mapping_is_one(tmp_path):

@@ -36,8 +36,9 @@ MAY_IMPORT = {
     'nodes': {'model', 'records', 'faults', 'parameters', 'control'},
     'testing': {'model', 'parameters', 'nodes', 'programs'},
     'campaign': set(),  # judges the diagnosis as a program, of whatever state
+    'fleet': {'model', 'report', 'campaign'},
     'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign',
-                 'metrics', 'writing'},
+                 'fleet', 'metrics', 'writing'},
     'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing'},
 }
 """For each folder the others that it may import, with all that lies in them."""

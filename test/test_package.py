@@ -22,10 +22,12 @@ from booster_ros.parameters.schema import ALL_DESCRIPTIONS
 
 # Imported module → rosdep key, where they differ.
 ROSDEP_KEYS = {
+    'jinja2': 'python3-jinja2',
     'matplotlib': 'python3-matplotlib',
     'numba': 'python3-numba',
     'numpy': 'python3-numpy',
     'pandas': 'python3-pandas',
+    'plotly': 'python3-plotly',
     'scipy': 'python3-scipy',
     'tqdm': 'python3-tqdm',
     'yaml': 'python3-yaml',

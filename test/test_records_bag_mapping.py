@@ -119,3 +119,25 @@ def test_a_mapping_reads_topics_of_any_name_and_unit(tmp_path):
         read_record(bag, mapping=given(tmp_path, 'columns: {chamber_pressure: /p8}'))
     with pytest.raises(RecordError, match='process_value: is not read from a bag'):
         read_record(bag, mapping=given(tmp_path, 'columns: {process_value: /p7}'))
+
+
+def test_a_bag_whose_clock_was_set_has_runs(tmp_path, inspected):
+    first, rest = commands()[:20], commands()[20:]
+    both = [*first, *pressures(ATMOSPHERE)[:20]]
+    late = [(topic, kind, stamp - START + 10**9, message)
+            for topic, kind, stamp, message in (*rest, *pressures(ATMOSPHERE)[20:])]
+    bag = write_bag(tmp_path / 'bag', [*both, *late])
+    with pytest.raises(RecordError, match=r'clock was set .*2 runs.*1: 60 messages .*run: 1'):
+        read_record(bag)
+    text, path = inspected(bag)
+    assert 'the mapping takes 1' in text
+    mapping = read_mapping(path)
+    assert mapping.run == 1
+    record = read_record(bag, mapping=mapping)
+    np.testing.assert_allclose(record['chamber_pressure'], 20e3 + 100.0 * np.arange(20, 50))
+    assert np.ptp(record['time']) == pytest.approx(0.29)
+    assert 'run 1 of 2' in str(defects(record, 'run')[0])
+    other = read_record(bag, mapping=dataclasses.replace(mapping, run=2))
+    np.testing.assert_allclose(other['chamber_pressure'], 20e3 + 100.0 * np.arange(20))
+    with pytest.raises(RecordError, match='no run 3'):
+        read_record(bag, mapping=dataclasses.replace(mapping, run=3))

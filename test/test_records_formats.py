@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from booster_ros.records import RecordError, read_record
+from booster_ros.records.inspection import inspect
 
 NAMES = ['time', 'control_current', 'chamber_pressure', 'valve_position']
 COLUMNS = dict(zip(NAMES, np.array(rows()).T))
@@ -139,6 +140,35 @@ def test_parquet_and_feather(tmp_path, form):
     path.write_bytes(path.read_bytes()[:200])
     with pytest.raises(RecordError, match='is damaged'):
         read_record(path)
+
+
+@pytest.mark.parametrize('head', [
+    [], [['FV-7, exported by N. N.'], ['Operator', 'N. N.'], []], [['FV-7'], ['Settings:', 5]]])
+@pytest.mark.parametrize('units', [False, True])
+def test_a_sheet_with_a_preamble(tmp_path, head, units):
+    openpyxl = pytest.importorskip('openpyxl')
+    book = openpyxl.Workbook()
+    sheet = book.active
+    for row in head:
+        sheet.append(row)
+    if units:
+        sheet.append(['Stamp', 'AO', 'P act', 'Travel'])
+        sheet.append([None, 'mA', 'kPa', 'mm'])
+    else:
+        sheet.append(['Stamp', 'AO [mA]', 'P act [kPa]', 'Travel [mm]'])
+    for t, i, p, x in rows():
+        sheet.append([datetime(2024, 5, 1) + timedelta(seconds=t), 1e3 * i, p / 1e3, 1e3 * x])
+    sheet.cell(sheet.max_row - 3, 9).font = openpyxl.styles.Font(bold=True)  # nothing is in it
+    path = tmp_path / 'a.xlsx'
+    book.save(path)
+    found = inspect(path)
+    assert len(found.table.names) == 4
+    assert found.table.layout.header == len(head) + 1
+    check(mapped(path))
+
+
+def test_a_preamble_that_a_spreadsheet_filled_up_with_commas(tmp_path):
+    check(mapped(write(tmp_path, ['FV-7,,,', 'Operator,N. N.,,', ',,,', *lines()])))
 
 
 def test_a_sheet_that_a_workbook_lacks_is_named_with_those_it_has(tmp_path):

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from booster_ros.report.figure_style import envelope, over_time
+from booster_ros.report.thinning import envelope, over_time
 
 
 @pytest.mark.parametrize('rows', [200, 100_000])

@@ -24,7 +24,8 @@ from .cases import CampaignError
 
 MODULE = 'booster_ros'
 
-APART = ('campaign', 'programs/campaign.py', 'nodes', 'benchmark', 'measured', 'paper')
+APART = ('campaign', 'fleet', 'programs/campaign.py', 'programs/fleet.py', 'nodes', 'benchmark',
+         'measured', 'paper')
 """Parts of the package that no diagnosis comes through: a change there changes no answer."""
 
 SETTINGS = ('OPENBLAS_', 'OMP_', 'MKL_', 'NUMBA_')
@@ -68,14 +69,19 @@ class Program:
     package: Path
     libraries: str
 
-    def run(self, name: str, words: Sequence[str | Path], timeout: float,
-            stop: threading.Event) -> Ended:
-        """Run one of its programs to the end, for `timeout` seconds, or until `stop` is set."""
+    def run(self, name: str, words: Sequence[str | Path], timeout: float, stop: threading.Event,
+            environment: Mapping[str, str] | None = None) -> Ended:
+        """
+        Run one of its programs to the end, for `timeout` seconds, or until `stop` is set.
+
+        `environment` are its variables, those of this process if not given.
+        """
         started = time.monotonic()
         with tempfile.TemporaryFile() as sink:
             process = subprocess.Popen(
-                [*self.words, name, *map(str, words)], cwd=self.folder, stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL, stderr=sink, start_new_session=True)
+                [*self.words, name, *map(str, words)], cwd=self.folder, env=environment,
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                stderr=sink, start_new_session=True)
             stopped = False
             while (ended := _reaped(process, 0 if stopped else os.WNOHANG)) is None:
                 stopped = stop.wait(GLANCE) or time.monotonic() - started > timeout

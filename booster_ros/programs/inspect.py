@@ -16,13 +16,12 @@ import numpy as np
 
 from ..legible import legible
 from ..records import CsvWriter, RecordError, is_bag, read_mapping, read_record
-from ..records.bag_inspection import BagInspection, inspect_bag
-from ..records.inspection import Inspection, inspect, is_plain
+from ..records.bag_inspection import inspect_bag
+from ..records.inspection import inspect, is_plain
 from ..records.mapping import FileMapping
 from ..records.mapping_text import mapping_text
 from ..records.record import COLUMNS, Record
 from ..records.target import check_inputs_stay, replaced_by
-from ..report.first_look import Series, first_look
 from .inspection_text import bag_lines, inspection_lines, record_lines
 from .path_argument import given_path
 
@@ -87,7 +86,8 @@ def _inspect(options: argparse.Namespace) -> None:
     print(f'\nMapping written to {legible(target)}. '
           + _next(options, target, asked, found is not None and is_plain(found)))
     if options.plot:
-        _write(options.plot, _look_at_table(found) if found else _look_at_bag(bag))
+        from .look import look_at_bag, look_at_table
+        _write(options.plot, look_at_table(found) if found else look_at_bag(bag))
     if options.csv:
         if asked:
             raise RecordError(f'{legible(target)}: answer its questions first; then the record '
@@ -103,7 +103,8 @@ def _with_mapping(options: argparse.Namespace, path: Path) -> None:
     print('\n'.join(record_lines(record)))
     print(f'\nUse it:\n  {_command(options.file, path, mapping)}')
     if options.plot:
-        _write(options.plot, _look_at_record(options.file, record))
+        from .look import look_at_record  # plots take as long to load as all else here
+        _write(options.plot, look_at_record(options.file, record))
     if options.csv:
         _write_record(options.csv, record)
 
@@ -131,39 +132,6 @@ def _stem(file: Path) -> str:
     for suffix in ('.gz', '.bz2', '.xz', '.zst'):
         name = name.removesuffix(suffix)
     return Path(name).stem or name
-
-
-def _look_at_table(found: Inspection) -> str:
-    """Return the page with all columns of a table."""
-    series = [Series(one.name, one.values) for one in found.columns
-              if one.count and one.place not in found.time.places]
-    time = found.seconds
-    if time is None or found.mapping.long or any(len(time) != len(one.values) for one in series):
-        time = None
-    return first_look(legible(Path(found.table.source).name), time, series, found.notes)
-
-
-def _look_at_bag(bag: BagInspection) -> str:
-    """Return the page with all topics of a bag, each sample at its own time."""
-    parts = bag.series()
-    time = np.unique(np.concatenate([one for _, one, _ in parts])) if parts else np.empty(0)
-    series = []
-    for name, own, values in parts:
-        column = np.full(len(time), np.nan)
-        column[np.searchsorted(time, own)] = values
-        series.append(Series(name, column if len(parts) > 1 else values))
-    return first_look(legible(Path(bag.source).name), time, series, bag.notes)
-
-
-def _look_at_record(file: Path, record: Record) -> str:
-    """Return the page with all columns of a record."""
-    names = [name for name in (*record.columns, *record.beside) if name != 'time']
-    series = [Series(f'{name}, {_unit(record, name)}', record[name]) for name in names]
-    return first_look(legible(file.name), record.columns.get('time'), series, record.notes)
-
-
-def _unit(record: Record, name: str) -> str:
-    return record.beside[name].unit if name in record.beside else COLUMNS[name].unit
 
 
 def _write(path: Path, text: str) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from booster_ros.records.bag_mapping import note_on_clocks
+from booster_ros.records.bag_runs import in_run, listed, longest, run_starts
 from booster_ros.records.bag_topics import (
     JOINT_TYPE, PRESSURE_TYPE, READERS, STATE_TYPE, Channel, choose_channels)
 from booster_ros.records.mapping_text import scalar
@@ -60,13 +61,20 @@ class BagInspection:
     text: str
     notes: tuple[str, ...]
     asked: tuple[str, ...]
+    starts: list[int]
+    run: int
 
     def series(self) -> list[tuple[str, Array, Array]]:
-        """Return name, time (s from the first message on) and values of each topic."""
-        begin = min((one.received[0] for one in self.topics if one.received), default=0)
-        return [(f'{one.topic}{":" * bool(one.element)}{one.element}',
-                 (np.array(one.received[:one.count]) - begin) * 1e-9, np.array(one.values))
-                for one in self.topics if one.values]
+        """Return name, time (s from the first message on) and values of each topic in the run."""
+        found = []
+        for one in self.topics:
+            times = np.array(one.received[:one.count], dtype=np.int64)
+            kept = in_run(times, self.starts, self.run)
+            if kept.any():
+                found.append((f'{one.topic}{":" * bool(one.element)}{one.element}',
+                              (times[kept] - self.starts[self.run - 1]) * 1e-9,
+                              np.array(one.values)[kept]))
+        return found
 
 
 def inspect_bag(path: str | os.PathLike[str]) -> BagInspection:
@@ -94,8 +102,15 @@ def inspect_bag(path: str | os.PathLike[str]) -> BagInspection:
                 np.quantile(one.values, 0.01) < HALF_VACUUM):
             notes.append(f'{one.topic} is of a type for absolute pressure and falls to '
                          f'{one.low:.4g} Pa: it carries gauge pressure')
-    return BagInspection(source, topics, _text(source, topics, channels), tuple(notes),
-                         tuple(asked))
+    times = [np.array(one.received, dtype=np.int64) for one in topics if one.received]
+    starts = run_starts(times) if times else [0]
+    run = longest(times, starts) if times else 1
+    text = _text(source, topics, channels)
+    if len(starts) > 1:
+        text += f'run: {run}  # of several in this bag, as its clock was set\n'
+        notes.append(f'its clock was set on the way: {len(starts)} runs, each a record of its own '
+                     f'({listed(times, starts)}); the mapping takes {run}')
+    return BagInspection(source, topics, text, tuple(notes), tuple(asked), starts, run)
 
 
 def _read(path: Path, source: str) -> list[Topic]:

@@ -17,6 +17,7 @@ from booster_ros.records.bag_limits import (
     check_metadata, check_packed_files, unpack_myself, unpacked_message)
 from booster_ros.records.bag_mapping import (
     Samples, Unread, in_si, mapped_channels, notes_on_clocks, notes_on_commands)
+from booster_ros.records.bag_runs import chosen_run
 from booster_ros.records.bag_topics import (
     READERS, STATE_TYPE, Channel, choose_channels, several_names, unread)
 from booster_ros.records.mapping import FileMapping
@@ -67,9 +68,9 @@ def read_bag(
         raise RecordError(f'{source} is not a readable bag: {_one_line(error)}') from None
     notes = [*left, *notes_on_clocks(samples, stamps), *notes_on_commands(samples)]
     samples, converted = in_si(samples, mapping, source)
-    signals = _signals(samples, stamps, source)
+    signals, run = _signals(samples, stamps, mapping, source)
     columns, rows, defects = merge(signals)
-    defects += [*notes, *converted]
+    defects += [*run, *notes, *converted]
     for name, values in columns.items():
         check_finite(name, values, rows, source)
         check_units(name, values, rows, source)
@@ -165,7 +166,9 @@ def _as_arrays(triples: list[tuple[int, int, float]]) -> Samples:
     return Samples(received, header if header.any() else header[:0], values)
 
 
-def _signals(samples: Mapping[Channel, Samples], stamps: str, source: str) -> dict[str, Signal]:
+def _signals(
+    samples: Mapping[Channel, Samples], stamps: str, mapping: FileMapping | None, source: str
+) -> tuple[dict[str, Signal], list[Defect]]:
     for channel, sample in samples.items():
         if not sample.values.size:
             raise RecordError(
@@ -175,10 +178,16 @@ def _signals(samples: Mapping[Channel, Samples], stamps: str, source: str) -> di
         chosen = _header_stamps(samples, source)
     else:
         chosen = {channel: sample.received for channel, sample in samples.items()}
-    zero = min(int(time.min()) for time in chosen.values())
+    used, notes = chosen_run(chosen, mapping, source)
+    for channel, kept in used.items():
+        if not kept.any():
+            raise RecordError(f'{source}: topic {channel.topic} of column {channel.column} has no '
+                              'message in this run')
+    zero = min(int(time[used[channel]].min()) for channel, time in chosen.items())
     signals = {}
     for channel, time in chosen.items():
         order = np.argsort(time, kind='stable')
+        order = order[used[channel][order]]
         seconds = (time[order] - zero) * _NANOSECONDS
         signal = Signal(channel.topic, seconds, samples[channel].values[order])
         if channel.message_type == STATE_TYPE and channel.column == 'control_current':
@@ -188,7 +197,7 @@ def _signals(samples: Mapping[Channel, Samples], stamps: str, source: str) -> di
                     'that state, and from none')
             signal = _from_tick_before(signal)
         signals[channel.column] = signal
-    return signals
+    return signals, notes
 
 
 def _from_tick_before(state: Signal) -> Signal:

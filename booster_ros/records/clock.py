@@ -6,7 +6,7 @@ import numpy as np
 
 from booster_ros.records.record import Array, RecordError
 
-_CLOCK_SET = 1e6
+CLOCK_SET = 1e6
 """Longest step of time, s: beyond it a clock was set, and no valve is simulated across that."""
 
 
@@ -19,7 +19,7 @@ def check_clock(time: Array, rows: Array, source: str) -> None:
         raise RecordError(
             f'{source}, row {rows[first]}, column time: runs backwards, from '
             f'{time[first - 1]:.9g} to {time[first]:.9g} s')
-    far = np.flatnonzero(steps > _CLOCK_SET)
+    far = np.flatnonzero(steps > CLOCK_SET)
     if far.size:
         first = far[0] + 1
         raise RecordError(

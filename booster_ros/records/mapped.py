@@ -179,9 +179,10 @@ def _held(values: Array) -> Array:
 
 
 def _held_note(name: str, limit: float, unit: str, count: int) -> Defect:
+    lost = (f'changes below {limit:.3g} {unit} are not there, and noise below that is gone'
+            if limit else 'it never changed by as much as is stored')
     return Defect('held', name, 0, 0, count,
-                  f'stored by exception: between two rows the value held; changes below '
-                  f'{limit:.3g} {unit} are not there, and noise below that is gone')
+                  f'stored by exception: between two rows the value held; {lost}')
 
 
 def _run_note(number: int, runs: list[Array], rows: Array) -> list[Defect]:

@@ -12,7 +12,6 @@ from typing import Any
 import warnings
 import zipfile
 
-from booster_ros.records.guarded import MOST_COLUMNS
 from booster_ros.records.mapping import Layout
 from booster_ros.records.open_table import needs
 from booster_ros.records.record import RecordError
@@ -31,7 +30,7 @@ def open_sheet(source: str, layout: Layout) -> Table:
     _check_size(source)
     sample = list(itertools.islice(_rows(source, layout.sheet), SAMPLE_LINES))
     # what separates cells in this text is in no cell
-    lines = [_SEPARATOR.join(map(_text, row)) for row in sample]
+    lines = [_SEPARATOR.join(row) for row in _alike(sample)]
     found = found_in(lines, Layout(None, _SEPARATOR, '.', None, layout.header, layout.first,
                                    layout.sheet), source)
     shown = Layout(header=found.layout.header, first=found.layout.first, sheet=layout.sheet)
@@ -70,9 +69,16 @@ def _rows(source: str, sheet: str | None) -> Iterator[Sequence[Any]]:
                               f'{", ".join(names[:20])}')
         chosen = book[sheet or names[0]]
         chosen.reset_dimensions()
-        yield from chosen.iter_rows(values_only=True, max_col=MOST_COLUMNS)
+        yield from chosen.iter_rows(values_only=True)
     finally:
         book.close()
+
+
+def _alike(sample: Sequence[Sequence[Any]]) -> list[list[str]]:
+    """Return rows as texts, all as wide as the widest: what is filled."""
+    texts = [[_text(cell) for cell in row] for row in sample]
+    width = max((place for row in texts for place, cell in enumerate(row, 1) if cell), default=0)
+    return [row[:width] + [''] * (width - len(row)) for row in texts]
 
 
 def _portions(source: str, layout: Layout, texts: set[int], wanted: list[int]

@@ -64,8 +64,7 @@ def found_in(lines: Sequence[str], given: Layout, source: str) -> Found:
         raise RecordError(f'{source}: no line has numbers in columns, as the rows of a table have')
     header = _header(rows[:first - 1], width) if given.header is None else given.header
     named = rows[header - 1] if 0 < header <= len(rows) else []
-    width = max(width, len(named) - named[::-1].index(next(filter(None, named[::-1]), ''))
-                if any(named) else 0)
+    width = max(width, len(_filled(named)))
     below = [row for row in rows[header:first - 1] if len(row) >= min(2, width)] if header else []
     units = next((row for row in below if _are_units(row)), [])
     labels = next((row for row in below if row is not units and len(row) == len(named)), [])
@@ -137,10 +136,11 @@ def _first_data(rows: Sequence[Sequence[str]], width: int) -> int:
 
 def _header(rows: Sequence[Sequence[str]], width: int) -> int:
     """Return the number of the line that names the columns, 0 for none."""
-    # a row of data may end in a delimiter that the header lacks; a title of one cell is no header
+    # a row of data may end in a delimiter that the header lacks; a title of one cell is no header,
+    # nor one that a spreadsheet filled up with empty cells
     for long in (width, max(width - 1, 2)):
         for number, row in enumerate(rows, 1):
-            cells = _uncommented(row)
+            cells = _filled(_uncommented(row))
             named = [cell for cell in cells if cell]
             if len(cells) == long and len(named) >= max(1, 0.5 * len(cells)) and not is_data(named):
                 return number
@@ -149,6 +149,11 @@ def _header(rows: Sequence[Sequence[str]], width: int) -> int:
         if len(named) > 1 and len(named) >= 0.5 * width and not is_data(named):
             return number
     return 0
+
+
+def _filled(row: Sequence[str]) -> list[str]:
+    """Return the cells up to the last that is not empty."""
+    return list(row[:max((place for place, cell in enumerate(row, 1) if cell), default=0)])
 
 
 def _uncommented(row: Sequence[str]) -> list[str]:

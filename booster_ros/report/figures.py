@@ -1,21 +1,18 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of the report, each a function of a View."""
+"""The figures of the report that stand still, each a function of a View."""
 
-from itertools import pairwise
-
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 import numpy as np
 
 from booster_ros.diagnosis.result import ChannelError, UnknownTerm
 from booster_ros.report.engineering import scale_of
-from booster_ros.report.explanation import binned_mean
-from booster_ros.report.figure_style import (
-    AFTER, BEFORE, MEASURED, NOISE, blank, over_time, role_strip, shade_locked, thin)
-from booster_ros.report.view import View, axis_label, scale
+from booster_ros.report.figure_style import blank
 from booster_ros.report.names import channel_label
+from booster_ros.report.thinning import thin
+from booster_ros.report.tones import AFTER, BEFORE, MEASURED, NOISE
+from booster_ros.report.view import View, axis_label
 
 Array = np.ndarray
 
@@ -62,75 +59,6 @@ def error_ladder(errors: list[tuple[str, ChannelError]], labels: dict[str, str])
     return figure
 
 
-def measured_and_models(view: View) -> Figure:
-    """Draw each compared channel, measured and by both models, over time under the drive."""
-    drives = view.drives
-    heights = [0.12] + [0.9] * len(drives) + [2.0] * len(view.channels)
-    figure = blank(0.7 + 1.05 * sum(heights))
-    panels = figure.subplots(len(heights), sharex=True, height_ratios=heights)
-    time, segments = view.time, view.diagnosis.segments
-    role_strip(panels[0], time, segments)
-    for axes, name in zip(panels[1:], drives):
-        style = 'steps-post' if name == 'control_current' else 'default'
-        axes.plot(*over_time(time, view.drive(name)), color=MEASURED, drawstyle=style)
-        axes.set_ylabel(axis_label(name).replace(', ', ',\n'))
-    for axes, name in zip(panels[1 + len(drives):], view.channels):
-        axes.plot(*over_time(time, view.measured(name)), color=MEASURED, linewidth=2.4, alpha=0.45,
-                  label='measured')
-        for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
-            axes.plot(*over_time(time, view.model(stage, name)), color=colour, label=label)
-        axes.set_ylabel(axis_label(name))
-    for axes in panels[1:]:
-        shade_locked(axes, time, segments)
-    panels[-1].set_xlabel(_time_label(view))
-    panels[-1].set_xlim(time[0], time[-1])
-    handles, labels = panels[-1].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside upper left', ncols=3)
-    return figure
-
-
-def _time_label(view: View) -> str:
-    begins = view.diagnosis.experiment.begins
-    return f'time from {begins:.9g} s on, s' if begins else 'time, s'
-
-
-def residuals_over_time(view: View) -> Figure:
-    """Draw measured minus model of both models over time, with the band that noise fills."""
-    figure = blank(0.6 + 1.9 * len(view.channels))
-    panels = np.atleast_1d(figure.subplots(len(view.channels), sharex=True))
-    for axes, name in zip(panels, view.channels):
-        shade_locked(axes, view.time, view.diagnosis.segments)
-        noise_band(axes, view, name)
-        for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
-            axes.plot(*over_time(view.time, view.residual(stage, name)), color=colour, label=label,
-                      linewidth=0.9)
-        residual_label(axes, name)
-    panels[-1].set_xlabel(_time_label(view))
-    panels[-1].set_xlim(view.time[0], view.time[-1])
-    handles, labels = panels[-1].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside upper left', ncols=3)
-    return figure
-
-
-def residuals_over_variable(view: View, variables: dict[str, str]) -> Figure:
-    """Draw both models' residuals of each channel over the variable that explains it best."""
-    figure = blank(0.5 + 2.5 * len(variables))
-    grid = figure.subplots(len(variables), 2, squeeze=False, sharey='row')
-    for row, (name, variable) in zip(grid, variables.items()):
-        x = view.state(variable)
-        for axes, stage, label, colour in zip(row, view.stages, view.stage_labels, _COLOURS):
-            residual = view.residual(stage, name)
-            noise_band(axes, view, name)
-            axes.plot(*thin(x, residual), '.', color=colour, markersize=3.0, alpha=0.5,
-                      markeredgewidth=0, rasterized=True)
-            middles, means, _ = binned_mean(x, residual)
-            axes.plot(middles, means, color='black', linewidth=1.4)
-            axes.set_title(label)
-            axes.set_xlabel(axis_label(variable))
-        residual_label(row[0], name)
-    return figure
-
-
 def valve_signature(view: View) -> Figure:
     """Draw position over pressure, measured beneath each model."""
     figure = blank(4.0)
@@ -162,49 +90,6 @@ def _loop(view: View, stage: str | None) -> tuple[Array, Array]:
     return series('chamber_pressure'), series('valve_position')
 
 
-def sweep(view: View) -> Figure:
-    """Draw each compared channel of a quasi-static sweep, and its residuals, over the driver."""
-    driver = view.driver
-    assert driver is not None  # a sweep has a drive
-    figure = blank(0.6 + 3.3 * len(view.channels))
-    grid = figure.subplots(len(view.channels), 2, squeeze=False)
-    x = view.drive(driver)
-    for row, name in zip(grid, view.channels):
-        measured_points(row[0], x, view.measured(name), view.locked)
-        noise_band(row[1], view, name)
-        for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
-            for part in _branches(view, driver):
-                row[0].plot(x[part], view.model(stage, name)[part], color=colour,
-                            label=label if part.start == 0 else None)
-                row[1].plot(x[part], view.residual(stage, name)[part], '.-', color=colour,
-                            linewidth=0.8, markersize=5)
-        row[0].set_ylabel(axis_label(name))
-        residual_label(row[1], name)
-        for axes in row:
-            axes.set_xlabel(axis_label(driver))
-    handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside upper left', ncols=4)
-    return figure
-
-
-def measured_points(axes: Axes, x: Array, y: Array, locked: Array) -> None:
-    """Draw the points of a sweep, hollow where they were held out."""
-    axes.plot(x[~locked], y[~locked], 'o', color=MEASURED, markersize=4.5, alpha=0.6,
-              label='measured')
-    axes.plot(x[locked], y[locked], 'o', markerfacecolor='white', markeredgecolor=MEASURED,
-              markersize=4.5, label='measured, held out')
-
-
-def _branches(view: View, driver: str) -> list[slice]:
-    """Return the slices of a sweep during which nothing but the driver moves."""
-    others = [view.drive(name) for name in view.drives if name != driver]
-    jumps = np.zeros(max(len(view.time) - 1, 0), dtype=bool)
-    for values in others:
-        jumps |= np.abs(np.diff(values)) > 0.02 * np.ptp(values)
-    edges = [0, *(np.flatnonzero(jumps) + 1).tolist(), len(view.time)]
-    return [slice(first, last) for first, last in pairwise(edges)]
-
-
 def unknown_term(view: View, term: UnknownTerm) -> Figure:
     """Draw a term without a name, dotted beyond what was seen, and how much was seen where."""
     figure = blank(3.3)
@@ -226,15 +111,3 @@ def unknown_term(view: View, term: UnknownTerm) -> Figure:
     unit = f', {over.unit}' if over.unit else ''
     below.set_xlabel(f'{channel_label(term.variable)}{unit}')
     return figure
-
-
-def noise_band(axes: Axes, view: View, name: str) -> None:
-    """Shade the part of a residual that noise fills, twice its level to either side."""
-    level = 2.0 * view.noise(name)
-    axes.axhspan(-level, level, color=NOISE, alpha=0.22, linewidth=0, label='± 2 × noise')
-    axes.axhline(0.0, color=NOISE, linewidth=0.6)
-
-
-def residual_label(axes: Axes, name: str) -> None:
-    """Label the y axis with the channel that the residual is of."""
-    axes.set_ylabel(f'{channel_label(name)}:\nmeasured − model, {scale(name).unit}')

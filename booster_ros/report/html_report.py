@@ -3,24 +3,24 @@
 """`report.html`: one self-contained page that a plant engineer understands in a minute."""
 
 from html import escape
-from importlib.resources import files
 import math
 from pathlib import PurePath
-from string import Template
 
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.prepare.timestamp_jitter import commands_may_be_late
 from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
-from booster_ros.report import figures
+from booster_ros.report import figures, interactive
 from booster_ros.report.engineering import number, scale_of, si_text
 from booster_ros.report.explanation import best_explanation, explained_share
-from booster_ros.report.figure_style import ROLE_SHADES, styled, svg
+from booster_ros.report.figure_style import styled, svg
 from booster_ros.report.markup import bullets, figure, paragraph, section
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.tables import (
     declared_table, effect_table, error_table, shown_suspects, suspect_table)
+from booster_ros.report.templating import plot, plot_library, rendered
+from booster_ros.report.tones import ROLE_SHADES
 from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.errors import scored
 from booster_ros.report.names import (
@@ -42,7 +42,6 @@ _STAGE_MEANINGS = {
 def html_page(diagnosis: Diagnosis, provenance: Provenance) -> str:
     """Return the page as HTML text."""
     view = View(diagnosis)
-    page = Template((files(__package__) / 'page.html').read_text(encoding='utf-8'))
     with styled():
         sections = [
             _errors(view), _curves(view), _residuals(view), _signature(view), _unknown(view),
@@ -50,16 +49,12 @@ def html_page(diagnosis: Diagnosis, provenance: Provenance) -> str:
             _record(view, provenance)]
     validation = f', judged on {provenance.validation}' if provenance.validation else ''
     headline = verdict_title(diagnosis)
-    return page.substitute(
-        title=escape(f'{PurePath(provenance.record).name}: {headline}'),
-        source=escape(f'{provenance.record} explained by {provenance.parameters}{validation}'),
-        verdict=diagnosis.verdict,
-        headline=escape(headline),
-        sentences='\n'.join(paragraph(text) for text in verdict_sentences(diagnosis)),
-        sections='\n'.join(filter(None, sections)),
-        footer='Made by booster_ros close_loop. Pressures are gauge pressures. The same numbers '
-        'in SI units: <code>report.json</code>. Models for the node: <code>positioner.yaml</code>, '
-        '<code>positioner_before.yaml</code>.')
+    return rendered(
+        'page.html', title=f'{PurePath(provenance.record).name}: {headline}',
+        source=f'{provenance.record} explained by {provenance.parameters}{validation}',
+        verdict=diagnosis.verdict, headline=headline,
+        sentences=[paragraph(text) for text in verdict_sentences(diagnosis)],
+        sections=[text for text in sections if text], library=plot_library())
 
 
 def _stages(diagnosis: Diagnosis) -> dict[str, str]:
@@ -99,15 +94,16 @@ def _curves(view: View) -> str:
             'Measured and model',
             paragraph('A sweep without time: each row stood until everything had settled. '
                       'Open points were held out.', 'hint'),
-            figure(svg(figures.sweep(view), 'sweep'), 'Sweep, measured and by both models'))
+            plot(interactive.sweep(view), 'sweep',
+                 'Sweep, measured and by both models'))
     keys = ''.join(
         f'<span><i class="key" style="background:{shade}"></i>{_ROLES[role]}</span>'
         for role, shade in ROLE_SHADES.items())
     return section(
         'Measured and model',
         f'<p class="hint keys">Strip on top: {keys}</p>',
-        figure(svg(figures.measured_and_models(view), 'curves'),
-               'Measured signals and both models over time'))
+        plot(interactive.measured_and_models(view), 'curves',
+             'Measured signals and both models over time'))
 
 
 def _residuals(view: View) -> str:
@@ -126,15 +122,15 @@ def _residuals(view: View) -> str:
             f'{_percent(before)} of the variance before and {_percent(after)} after')
     content = []
     if not view.diagnosis.experiment.quasi_static:
-        content.append(figure(svg(figures.residuals_over_time(view), 'residuals'),
-                              'Residuals of both models over time'))
+        content.append(plot(interactive.residuals_over_time(view), 'residuals',
+                            'Residuals of both models over time'))
     if variables:
         content += [
             '<h3>Against the variable that explains it best</h3>',
             paragraph(f'{capital("; ".join(sentences))}. The line is the mean of the points.',
                       'hint'),
-            figure(svg(figures.residuals_over_variable(view, variables), 'explained'),
-                   'Residuals of both models over the variable that explains them best')]
+            plot(interactive.residuals_over_variable(view, variables), 'explained',
+                 'Residuals of both models over the variable that explains them best')]
     elif view.diagnosis.unknown is not None and view.diagnosis.unknown.variable == 'time':
         content.append(paragraph('It follows the time, over which it is drawn.', 'hint'))
     else:

@@ -1,0 +1,140 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""A fleet on workers of its own, and on those of a scheduler that runs already."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pandas as pd
+import pytest
+from ros_process import ROOT
+
+SAMPLES = ROOT / 'test' / 'samples'
+PLAIN = {**os.environ, 'PYTHONPATH': str(ROOT)}
+
+
+def write_plant(folder):
+    """Write a plant of a valve that lacks nothing, one that does, a torn record and none."""
+    for name, rows in (('none', 3000), ('chamber_leak', 3000)):
+        lines = (SAMPLES / f'sample_{name}_fit.csv').read_text().splitlines(keepends=True)
+        (folder / f'{name}.csv').write_text(''.join(lines[:rows + 1]))
+        (folder / f'{name}.yaml').write_text((SAMPLES / f'sample_{name}.yaml').read_text())
+    (folder / 'torn.csv').write_text('time,control_current,chamber_pressure\n0,0.004,1e5\n1,x,1\n')
+    (folder / 'plant.csv').write_text(
+        'valve,record,parameters\nFV-1,none.csv,none.yaml\nFV-2,torn.csv,none.yaml\n'
+        'FV-3,chamber_leak.csv,chamber_leak.yaml\nFV-4,gone.csv,none.yaml\n')
+    return folder / 'plant.csv'
+
+
+def fleet(manifest, out, *options):
+    """Return what the program prints."""
+    done = subprocess.run(command(manifest, out, *options), env=PLAIN, capture_output=True,
+                          text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def command(manifest, out, *options):
+    return [sys.executable, '-m', 'booster_ros', 'fleet', str(manifest), '--out', str(out),
+            '--only', 'chamber_leak', *options]
+
+
+@pytest.fixture(scope='module')
+def plant(tmp_path_factory):
+    """Return the manifest of a plant, the folder of its fleet, and what was printed."""
+    folder = tmp_path_factory.mktemp('plant')
+    manifest = write_plant(folder)
+    return manifest, folder / 'out', fleet(manifest, folder / 'out', '--jobs', '2')
+
+
+def table_of(out):
+    return pd.read_csv(out / 'fleet.csv', keep_default_na=False).set_index('valve')
+
+
+def test_one_bad_record_does_not_stop_the_rest(plant):
+    _, out, said = plant
+    table = table_of(out)
+    assert table['status'].to_dict() == {
+        'FV-3': 'maintenance', 'FV-2': 'check', 'FV-4': 'check', 'FV-1': 'good'}
+    assert table.loc['FV-3', 'effects'] == 'chamber_leak'
+    assert table.loc['FV-3', 'discovery']
+    assert "row 3, column control_current: 'x' is not a number" in table.loc['FV-2', 'message']
+    assert table.loc['FV-4', 'message'] == 'gone.csv: No such file or directory'
+    assert (out / table.loc['FV-1', 'report']).is_file()
+    assert re.search(r'4/4 FV-\d: .*; 0 min to go', said)
+    assert (out / 'fleet.html').is_file()
+
+
+def test_only_what_has_changed_is_diagnosed_again(plant):
+    manifest, out, _ = plant
+    before = {name: (out / 'valves' / name / 'report.json').stat().st_mtime_ns
+              for name in ('FV-1', 'FV-3')}
+    (manifest.parent / 'torn.csv').write_text('time,control_current\n')
+    said = fleet(manifest, out, '--jobs', '1')
+    assert '3 of 4 valves have been diagnosed before' in said
+    assert 'no rows of data' in table_of(out).loc['FV-2', 'message']
+    assert before == {name: (out / 'valves' / name / 'report.json').stat().st_mtime_ns
+                      for name in before}
+
+
+def test_a_scheduler_with_two_workers_gives_the_same_to_the_last_digit(plant, tmp_path):
+    """Neither knows the package beforehand: the scheduler needs it not at all."""
+    manifest, out, _ = plant
+    bare = {name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}
+    address = tmp_path / 'scheduler.json'
+    started = []
+    try:
+        started.append(subprocess.Popen(
+            [sys.executable, '-m', 'distributed.cli.dask_scheduler', '--host', '127.0.0.1',
+             '--port', '0', '--no-dashboard', '--scheduler-file', str(address)], cwd=tmp_path,
+            env=bare, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        while not address.exists():
+            time.sleep(0.1)
+            assert started[0].poll() is None
+        started += [subprocess.Popen(
+            [sys.executable, '-m', 'distributed.cli.dask_worker', '--scheduler-file', str(address),
+             '--nthreads', '1', '--no-nanny', '--no-dashboard'], cwd=tmp_path, env=PLAIN,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for _ in range(2)]
+        found = re.search(r'"address": "(tcp://[^"]+)"', address.read_text())
+        fleet(manifest, tmp_path / 'out', '--scheduler', found[1])
+    finally:
+        for process in started[::-1]:
+            process.terminate()
+            process.wait(30)
+    for valve in ('FV-1', 'FV-3'):
+        for name in ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml'):
+            one, other = (folder / 'valves' / valve / name for folder in (out, tmp_path / 'out'))
+            assert one.read_bytes() == other.read_bytes()
+    columns = ['seconds', 'cpu_seconds', 'message']
+    pd.testing.assert_frame_equal(table_of(out).drop(columns=columns),
+                                  table_of(tmp_path / 'out').drop(columns=columns))
+
+
+def test_no_scheduler_at_an_address_is_one_sentence(tmp_path):
+    words = command(write_plant(tmp_path), tmp_path / 'out', '--scheduler', 'nowhere')
+    done = subprocess.run(words, env=PLAIN, capture_output=True, text=True, timeout=100,
+                          check=False)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert 'nowhere does not answer' in done.stderr
+
+
+def test_an_interrupted_fleet_ends_what_it_started_and_keeps_what_ended(tmp_path):
+    manifest, out = write_plant(tmp_path), tmp_path / 'out'
+    running = subprocess.Popen(command(manifest, out, '--jobs', '1'), env=PLAIN,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)
+    assert running.stdout.readline().startswith('1/4')
+    time.sleep(1.0)
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does: all that it started get it too
+    _, said = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert said == 'fleet: interrupted; the same command goes on from here\n'
+    assert not subprocess.run(['pgrep', '-f', str(out)], capture_output=True, check=False).stdout
+    ended = len(table_of(out))
+    assert 1 <= ended < 4
+    assert len((out / 'valves.jsonl').read_text().splitlines()) == ended
