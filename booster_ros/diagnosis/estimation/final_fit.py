@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.estimation.fit import Fit, fit, fit_at, nominal
+from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.least_squares import SETTLED
 from booster_ros.diagnosis.estimation.observation import ROWS
 from booster_ros.diagnosis.estimation.problem import Problem
@@ -17,9 +17,6 @@ Array = np.ndarray
 
 LAST_EVALUATIONS = 30
 """Steps of a descent that is to go to its very end."""
-
-UNSEEN = 1.0
-"""Rise of the cost without a size, up to which the size is not seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +59,7 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
             continue
         without = z.copy()
         without[j] = 0.0
-        if problem.cost(without) < found.cost + UNSEEN:
+        if problem.cost(without) < found.cost + NOTICEABLE:
             z = without
     shapes = [j for j, free in enumerate(problem.freedoms)
               if free.knob.shape and not free.knob.inverse]  # a stiffness of none is rigid

@@ -19,12 +19,9 @@ Array = np.ndarray
 EVALUATIONS = 15
 """Steps of a descent beside its Jacobians: most end after four to eight."""
 
-INACTIVE = 1.0
-"""Norm of the change of the residuals over a standard deviation of a variable, below which it is
-asked whether it moves anything at all."""
-
-AGREE = 1.0
-"""Difference of costs up to which two starts end in the same place: half a log likelihood unit."""
+NOTICEABLE = 1.0
+"""Change of the residuals (norm), or of the cost, that is no more than chance: one standard
+deviation of the noise, half a unit of log likelihood."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +45,7 @@ class Fit:
     @property
     def seen(self) -> Array:
         """Which variables move the residuals by more than noise, compared with z = 0."""
-        return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > 1.0
+        return np.linalg.norm(self.jacobian, axis=0) * np.abs(self.z) > NOTICEABLE
 
 
 def fit_at(problem: Problem, z: Array, jacobian: Array | None = None) -> Fit:
@@ -84,7 +81,7 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
         best = min(best, descended(beyond), key=lambda end: end.cost)
     found = fit_at(problem, best.z, best.jacobian)
     return replace(found, starts=len(ends), agreeing=max(sum(
-        end.cost < found.cost + AGREE for end in ends), 1))
+        end.cost < found.cost + NOTICEABLE for end in ends), 1))
 
 
 def first_steps(problem: Problem, begin: Array, evaluations: int) -> Fit:
@@ -99,7 +96,7 @@ def first_steps(problem: Problem, begin: Array, evaluations: int) -> Fit:
 def _inactive(problem: Problem, end: Descent) -> dict[int, float]:
     """Return which declared parameters move nothing that is observed, and their tolerances."""
     # a Jacobian that was corrected by steps has next to nothing in their columns, not nothing
-    faint = np.linalg.norm(end.jacobian[:problem.observed], axis=0) < INACTIVE
+    faint = np.linalg.norm(end.jacobian[:problem.observed], axis=0) < NOTICEABLE
     asked = [j for j, free in enumerate(problem.freedoms) if np.isfinite(free.sigma) and faint[j]]
     return {j: problem.freedoms[j].sigma for j in problem.idle(asked, end.z)}
 

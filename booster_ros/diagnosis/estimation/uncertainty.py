@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from booster_ros.diagnosis.data.blocks import FEWEST_BLOCKS
-from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.catalogue import Knob
@@ -25,10 +25,6 @@ hold more than this share, segments are cut as well."""
 
 WIDEST = 30.0
 """Standard deviation of a size before anything is seen of it, in typical sizes."""
-
-SILENT = 1.0
-"""Norm of the change of the scaled residuals for a typical size, below which slopes tell
-nothing."""
 
 NOTICED = 3.84
 """Rise of the cost from which the rows notice that a variable moves of which slopes tell nothing:
@@ -177,7 +173,7 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> Interva
     is). That of a stiffness or restriction that may as well be none is open above.
     """
     free = problem.freedoms[index]
-    if np.linalg.norm(fit.jacobian[:, index]) < SILENT:
+    if np.linalg.norm(fit.jacobian[:, index]) < NOTICEABLE:
         low, high = _unnoticed(problem, fit, index)
     else:
         off = np.quantile(np.abs(draws[:, index] - fit.z[index]), LEVEL)

@@ -44,12 +44,10 @@ MUCH = 4.0
 """Mean square, in multiples of the noise's, that a diagnosis has to leave before a change is
 looked for; for the record to be cut, so much has to be left of the used rows."""
 
-BEGINNING = 0.25
-"""Smallest share of the record, from its beginning, that the declared model has to meet: a refit
-to less may imitate what has been missing from the start."""
-
-ENOUGH_LEFT = 0.25
-"""Smallest share of the record that has to be left after a change for a diagnosis of its own."""
+A_RECORD = 0.25
+"""Smallest share of the record that tells as a record of its own: of its beginning, which the
+declared model has to meet (a refit to less may imitate what has been missing from the start), and
+of what is left after a change."""
 
 WORTH_CUTTING = 0.5
 """Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
@@ -180,7 +178,7 @@ def _squares(experiment: Experiment, fit: Fit) -> Array:
 def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     """Return up to which row the declared model, refitted, meets the noise, and that fit."""
     experiment, declared = diagnosis.experiment, diagnosis.declared
-    least = BEGINNING * len(experiment.time)
+    least = A_RECORD * len(experiment.time)
     ends = {used: [segment.last for segment in diagnosis.segments if segment.last >= least
                    and (segment.role == 'train') is used] for used in (True, False)}
     thin, kept = thinned(experiment, THINNING)
@@ -220,7 +218,7 @@ def _later(record: Record, change: Change, declared: PositionerParameters, tell:
            judge: Callable[..., Diagnosis]) -> Diagnosis | None:
     """Return the diagnosis of the record from the change on, None where too little is left."""
     rest = record.since(change.time)
-    if len(rest) < ENOUGH_LEFT * len(record):
+    if len(rest) < A_RECORD * len(record):
         return None
     try:
         experiment = prepare(rest, declared)

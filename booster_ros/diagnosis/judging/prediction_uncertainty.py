@@ -36,6 +36,7 @@ from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import label
 from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.judging.perturbation import WORTH_SAYING
 from booster_ros.diagnosis.result import Alike, ChannelError
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.system import PositionerParameters
@@ -54,10 +55,6 @@ FEWEST = 12
 AS_WELL = 10.0
 """Rise of the cost, for each variable, above which a draw misses clearly more. Where intervals are
 right it is one for each variable, and some times that where residuals are coloured."""
-
-WORTH_ASKING = 0.3
-"""What is left open, as a share of the noise, from which on the parameters that make most of it
-are sought: it then adds 4 % to an error."""
 
 MOST = 0.5
 """Share of the square of what is left open that one parameter, by itself, has to exceed to make
@@ -100,7 +97,7 @@ def with_left_open(
                 for name, at in counted.items()}
 
     total = _together(side_by_side(apart, models.models))
-    much = any(total[name] >= WORTH_ASKING * errors[name].noise for name in total)
+    much = any(total[name] >= WORTH_SAYING * errors[name].noise for name in total)
     alone = {one: _together(side_by_side(apart, ends)) for one, ends in models.one_off.items()
              } if much else {}
     beyond = {name: errors[name].after for name in counted}

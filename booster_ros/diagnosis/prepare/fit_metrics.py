@@ -16,6 +16,10 @@ Array = np.ndarray
 FOLLOWS = 0.9
 """Correlation from which on a channel moves as the declared model does."""
 
+EXPLAINED = 0.3
+"""Share of the declared model's error that is left where the record is taken otherwise (in absolute
+pressure, with a reversed current), below which it is to be taken so: a tenth of its square."""
+
 SMALLEST = 1e-12
 
 

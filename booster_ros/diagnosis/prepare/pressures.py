@@ -15,7 +15,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment, rmse
 from booster_ros.diagnosis.prepare.fit_metrics import (
-    SMALLEST, alike, follows, miss, sizes_of, stem_alone)
+    EXPLAINED, SMALLEST, alike, follows, miss, sizes_of, stem_alone)
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -30,12 +30,11 @@ model, within the first, and four fifths of the rows lie above it by the same, w
 LEAST_ABSOLUTE = ATMOSPHERE - AN_ATMOSPHERE
 """Least absolute pressure in a valve, Pa."""
 
-MOSTLY_EXPLAINED = 0.3
 FAR_ABOVE = 50e3
-"""Share of an error, and distance in Pa. A pressure that drives the booster is absolute if it is
+"""Distance in Pa. A pressure that drives the booster is absolute if it is
 never below the atmosphere and the declared model, with an atmosphere taken off, leaves less than
-this share of its error. A chamber is also recorded in absolute pressure if it is never below the
-atmosphere and, driving the stem with an atmosphere taken off, leaves less than this share of the
+EXPLAINED of its error. A chamber is also recorded in absolute pressure if it is never below the
+atmosphere and, driving the stem with an atmosphere taken off, leaves less than EXPLAINED of the
 error of the position. A chamber that is not the drive has to lie so far above the declared model as
 well: else the stem is another one. Above a dead band no atmosphere is steady."""
 
@@ -127,7 +126,7 @@ def _check_gauge_of_drives(
     given = miss(experiment, predicted, sizes)
     for names in itertools.chain(*(itertools.combinations(high, n) for n in (1, 2))):
         less = _with_an_atmosphere_less(experiment, names)
-        if miss(less, less.predict(declared), sizes) < MOSTLY_EXPLAINED * given:
+        if miss(less, less.predict(declared), sizes) < EXPLAINED * given:
             raise RecordError(
                 f'{source}, column {" and ".join(names)}: the declared model moves as measured '
                 'with an atmosphere less, which looks like absolute pressure: subtract that of '
@@ -172,7 +171,7 @@ def _check_drive_of_stem(
     every = np.ones(len(position), dtype=bool)
     given, lowered = (rmse(position, one.predict(declared)['valve_position'], every)
                       for one in (experiment, less))
-    if lowered < MOSTLY_EXPLAINED * given:
+    if lowered < EXPLAINED * given:
         raise RecordError(
             f'{source}, column chamber_pressure: is never below {np.min(pressure):.4g} Pa, and the '
             'declared stem moves as measured with an atmosphere less, which looks like absolute '

@@ -15,15 +15,11 @@ from scipy.stats import spearmanr
 
 from booster_ros.diagnosis.data.experiment import Experiment, rmse
 from booster_ros.diagnosis.estimation.parallel import side_by_side
-from booster_ros.diagnosis.prepare.fit_metrics import FOLLOWS, alike
+from booster_ros.diagnosis.prepare.fit_metrics import EXPLAINED, FOLLOWS, alike
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 
 Array = np.ndarray
-
-MOSTLY = 0.3
-"""Share of the declared model's error that is left with the current reversed, below which it is if
-the model then moves as measured."""
 
 STARTS = 41
 """Number of currents, over twice what opens the converter fully, from the best of which the search
@@ -59,7 +55,7 @@ def check_current(experiment: Experiment, declared: PositionerParameters, source
     found = minimize_scalar(left, bounds=(best - step, best + step), method='bounded',
                             options={'xatol': NEAR_ENOUGH * step})
     given = rmse(measured, experiment.predict(declared)[name], rows)
-    if found.fun < MOSTLY * given and alike(measured, turned(found.x)) > FOLLOWS:
+    if found.fun < EXPLAINED * given and alike(measured, turned(found.x)) > FOLLOWS:
         raise RecordError(
             f'{source}, column control_current: the declared model moves as measured with '
             f'{found.x:.4g} A less the current: the converter is reverse-acting, or the wires are '

@@ -27,12 +27,9 @@ it, above which commands were read now and then."""
 JUMP = 0.05
 """Smallest jump of the command, relative to its range."""
 
-AT_REST, FEWEST = AHEAD, 5
-"""
-Largest movement of the model before a jump that tells, as a share of what it does next, and
-smallest number of such jumps. A valve that was at rest while the model was still on its way looks
-ahead by as much as the model moved.
-"""
+FEWEST = 5
+"""Smallest number of jumps that tell: those before which the model moves by less than AHEAD, as a
+share of what it does next. A valve at rest looks ahead by as much as the model was on its way."""
 
 DRAWS = 8
 """Number of runs, in each of which every jump is drawn anew at either end of its row: what two
@@ -89,7 +86,7 @@ def _ahead(measured: Array, predicted: Array, jumps: Array, noise: float) -> boo
     after = predicted[jumps + 1] - predicted[jumps]
     before = predicted[jumps] - predicted[jumps - 1]
     early = measured[jumps] - measured[jumps - 1] - before
-    told = np.isfinite(early) & (np.abs(before) < AT_REST * np.abs(after))
+    told = np.isfinite(early) & (np.abs(before) < AHEAD * np.abs(after))
     if np.count_nonzero(told) < FEWEST:
         return False
     early, after = early[told], after[told]

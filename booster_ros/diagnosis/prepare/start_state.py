@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.prepare.rows import FEWEST_ROWS
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.memory import Departure
 from booster_ros.model.system import PositionerParameters
@@ -28,9 +29,6 @@ _EVIDENT = 0.1
 _NEARLY_SETTLED = 10e3
 """Largest share of the squared error of the first seconds that another start of the converter may
 leave, and its smallest distance from settled, Pa, to be taken; nearer ones a fit finds."""
-
-_ROWS_FOR_A_START = 12
-"""With fewer rows in the first seconds the converter is taken as settled."""
 
 
 def start_state(
@@ -70,7 +68,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
         ends=None if experiment.ends is None else experiment.ends[rows],
         measured={name: values[rows] for name, values in experiment.measured.items()},
         pinned={name: values[rows] for name, values in experiment.pinned.items()})
-    if len(first.time) < _ROWS_FOR_A_START:
+    if len(first.time) < FEWEST_ROWS:  # then it is taken as settled
         return experiment
 
     def start(departure: float) -> Initial:
