@@ -59,6 +59,7 @@ def test_the_file_that_comes_out_is_the_record_that_was_exported(folder):
     assert 'data-plot="look"' in (folder / 'valve_7.html').read_text()
 
 
+@pytest.mark.campaign
 def test_the_last_line_ends_in_a_report(folder):
     """It takes a minute, and is the one way from an export to a report that is all typed."""
     typed(LINES[-1], folder)
