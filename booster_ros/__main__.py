@@ -15,6 +15,10 @@ PROGRAMS = {
         'booster_ros.nodes.fake_controller',
         'a node that plays a current profile or closes the position loop, and can record',
     ),
+    'twin': (
+        'booster_ros.nodes.twin',
+        'a node that runs the model beside a real valve and says when the valve has changed',
+    ),
     'simulate': (
         'booster_ros.programs.simulate', 'run the model over a table of currents or set points'),
     'inspect': (
@@ -83,8 +87,8 @@ def start(name: str, args: list[str] | None = None) -> int:
 
 
 # what setup.py installs
-positioner, fake_controller, simulate, inspect, close_loop, metrics, paper, demo, campaign = (
-    partial(start, name) for name in PROGRAMS)
+(positioner, fake_controller, twin, simulate, inspect, close_loop, metrics, paper, demo,
+ campaign) = (partial(start, name) for name in PROGRAMS)
 
 
 if __name__ == '__main__':
