@@ -3,7 +3,7 @@
 """
 Start a positioner that plays the real valve, moves it, and the twin beside it.
 
-ros2 launch booster_ros twin.launch.py faults:='[{fault: f8, start: 120.0}]'
+ros2 launch booster_ros twin.launch.py faults:='[{fault: f8, at: 120.0}]'
 """
 
 from launch import LaunchDescription

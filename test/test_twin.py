@@ -59,7 +59,7 @@ def left_rms(rows, pieces=4):
 # Samples
 
 def test_samples_come_out_in_order_and_what_was_wrong_with_them_is_counted():
-    aligner = Aligner(patience=0.1)
+    aligner = Aligner(patience=0.099)
     for stamp in (0.0, 0.2, 0.1, 0.2, 0.3):
         aligner.add('valve_position', stamp, stamp)
     aligner.add('valve_position', 0.4, float('nan'))
@@ -227,7 +227,8 @@ def test_noise_is_no_way_and_turns_are_counted():
     assert counters.values == {'way [m]': 0.0, 'turns': 0.0}
     counters.add(1e-3 * np.sin(np.linspace(0.0, 2.0 * np.pi * 5.0, 1000)))
     assert counters.turns == 10.0
-    assert counters.way == pytest.approx(20.0 * (1e-3 - 1e-4 / 2.0), rel=0.02)
+    # the band is lost at each turn
+    assert counters.way == pytest.approx(20e-3 - 10 * 2e-4 - 1e-4, rel=0.01)
 
 
 WRITER = """
@@ -248,16 +249,16 @@ def test_what_was_written_outlives_a_kill(tmp_path):
         if int(line) >= 50:
             break
     writer.send_signal(signal.SIGKILL)
-    told = [int(line), *map(int, writer.stdout.read().split())]
-    writer.wait()
+    told = [int(line), *map(int, writer.communicate()[0].split())]
     kept = Store(path).latest()
-    assert kept['a'] >= told[-1] and kept['b'] == -kept['a']
+    assert kept['a'] >= told[-1]
+    assert kept['b'] == -kept['a']
 
 
 def test_a_file_that_is_no_store_is_named(tmp_path):
     path = tmp_path / 'text.sqlite'
     path.write_text('no database at all, but long enough to be read as one' * 40)
-    with pytest.raises(StoreError, match='text.sqlite'):
+    with pytest.raises(StoreError, match=r'text\.sqlite'):
         Store(path)
 
 

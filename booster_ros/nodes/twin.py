@@ -37,7 +37,8 @@ from .ready import LATCHED, Ready
 from .twin_inputs import TwinInputs
 
 DESCRIPTION = 'Run the model of a valve beside the real one, as a ROS 2 node.'
-EXAMPLE = '--ros-args --params-file twin.yaml -p model:=positioner.yaml\n'     'All parameters: docs/twin.md, or `ros2 param describe` while it runs.'
+EXAMPLE = '--ros-args --params-file twin.yaml -p model:=positioner.yaml\n' \
+    'All parameters: docs/twin.md, or `ros2 param describe` while it runs.'
 
 LEVELS = {GOOD: DiagnosticStatus.OK, FAILURE: DiagnosticStatus.ERROR,
           OUT_OF_SPECIFICATION: DiagnosticStatus.WARN, MAINTENANCE: DiagnosticStatus.WARN}

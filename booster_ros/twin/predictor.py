@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..model.memory import CENTRED
 from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
@@ -171,14 +172,12 @@ class _Part:
         read = {name: float(np.nanmean(values[piece][:10])) for name, values in rows.items()
                 if name in COMPARED and np.isfinite(values[piece][:10]).any()}
         read |= {name: float(values[0]) for name, values in pinned.items() if name in COMPARED}
-        if self.role.command == 'set_point':
-            start, departure = dict(read), None
-        else:
+        start, departure = dict(read), CENTRED
+        if self.role.command != 'set_point':
             start, departure = start_of_readings(self._p, time, command, read)
         start |= {name: float(values[0]) for name, values in pinned.items()}
-        more = {} if departure is None else {'departure': departure}
         self._stream = Stream(self._p, time, command, start, tuple(pinned),
-                              compiled=self._compiled, **more)
+                              compiled=self._compiled, departure=departure)
         self._began = time
         self.starts += 1
 

@@ -69,6 +69,7 @@ def check(values: Mapping[str, Any]) -> TwinSettings:
         checked(name, values[name])
     if known['learning'] < 24.0 * known['block']:
         raise ParameterError(
-            f'learning ({known["learning"]:g} s) must be at least 24 blocks of {known["block"]:g} s')
+            f'learning ({known["learning"]:g} s) must be at least 24 blocks of '
+            f'{known["block"]:g} s')
     model, store, rate = (known.pop(name) for name in ('model', 'store', 'rate'))
     return TwinSettings(model, store, rate, Settings(**known))

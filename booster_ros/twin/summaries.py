@@ -85,6 +85,7 @@ def joined(blocks: list[Summary]) -> Summary:
     """Return several blocks as one: numbers averaged, the cell of the most motion."""
     names = dict.fromkeys(name for one in blocks for name in one.numbers)
     return Summary(
-        blocks[0].begin, blocks[-1].end, max((one.cell for one in blocks), key=lambda cell: cell[1]),
+        blocks[0].begin, blocks[-1].end,
+        max((one.cell for one in blocks), key=lambda cell: cell[1]),
         {name: float(np.mean([one.numbers[name] for one in blocks if name in one.numbers]))
          for name in names})

@@ -44,7 +44,7 @@ class Now(NamedTuple):
 
 
 class Twin:
-    """Runs the model of `parameters` beside samples of the valve; `settings` are those of alarms."""
+    """Runs the model of `parameters` beside samples of a valve; `settings` are of its alarms."""
 
     def __init__(
         self, parameters: PositionerParameters, settings: Settings, compiled: bool = True,
