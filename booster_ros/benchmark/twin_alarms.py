@@ -55,6 +55,5 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-
 if __name__ == '__main__':
     sys.exit(main())

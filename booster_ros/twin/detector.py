@@ -18,8 +18,8 @@ the centre. Nothing is said of the law of n_t: heavy tails and any colour within
 
    are independent and uniform on (0, 1), exactly, for any t. Scores of a cell are compared within
    that cell alone (Mondrian), so a change of the operating point asks a fresh question.
-2. Tolerance. Not |n_t| is seen but x_t. A past block scores |x_i - centre| + tolerance, which is not
-   below |n_i|, the present one max(|x_t - centre| - tolerance, 0) <= |n_t|. So p_t is not below
+2. Tolerance. Not |n_t| is seen but x_t. A past block scores |x_i - centre| + tolerance, which is
+   not below |n_i|, the present one max(|x_t - centre| - tolerance, 0) <= |n_t|. So p_t is not below
    the one of the |n|, point by point, and what follows holds for every course within tolerance.
 3. e-value. f(p) = integral over k in (0, 1) of k p^(k-1) = (1 - p + p ln p) / (p ln² p) falls in p
    and has the integral 1, so e_t = f(p_t) has an expectation <= 1 given the past.
