@@ -46,6 +46,7 @@ setup(
         'console_scripts': [
             'positioner = booster_ros.__main__:positioner',
             'fake_controller = booster_ros.__main__:fake_controller',
+            'twin = booster_ros.__main__:twin',
             'simulate = booster_ros.__main__:simulate',
             'inspect = booster_ros.__main__:inspect',
             'close_loop = booster_ros.__main__:close_loop',

@@ -21,6 +21,10 @@ PROGRAMS = {
         'booster_ros.nodes.fake_controller',
         'a node that plays a current profile or closes the position loop, and can record',
     ),
+    'twin': (
+        'booster_ros.nodes.twin',
+        'a node that runs the model beside a real valve and says when the valve has changed',
+    ),
     'simulate': (
         'booster_ros.programs.simulate', 'run the model over a table of currents or set points'),
     'inspect': (
@@ -119,7 +123,7 @@ def in_a_process_of_its_own(name: str, run: Callable[[], int]) -> int:
 
 
 # what setup.py installs
-(positioner, fake_controller, simulate, inspect, close_loop, fleet, metrics, paper, demo,
+(positioner, fake_controller, twin, simulate, inspect, close_loop, fleet, metrics, paper, demo,
  campaign) = (partial(in_a_process_of_its_own, name, partial(start, name)) for name in PROGRAMS)
 
 

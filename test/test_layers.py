@@ -31,15 +31,16 @@ MAY_IMPORT = {
                   'diagnosis/hypotheses', 'diagnosis/judging', 'diagnosis/selection'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
     'metrics': {'records'},
+    'twin': {'model', 'signals', 'parameters'},
     'paper': {'model', 'records', 'diagnosis/estimation', 'writing'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
-    'nodes': {'model', 'records', 'faults', 'parameters', 'control'},
+    'nodes': {'model', 'records', 'faults', 'parameters', 'control', 'twin'},
     'testing': {'model', 'parameters', 'nodes', 'programs'},
     'campaign': set(),  # judges the diagnosis as a program, of whatever state
     'fleet': {'model', 'report', 'campaign'},
     'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign',
                  'fleet', 'metrics', 'writing'},
-    'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing'},
+    'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing', 'twin'},
 }
 """For each folder the others that it may import, with all that lies in them."""
 

@@ -26,6 +26,12 @@ from ..parameters.sections import files_on, is_for, read_sections
 Checked = TypeVar('Checked')
 
 
+def overrides_of(values: Mapping[str, Any]) -> list[Parameter]:
+    """Return values by dotted name as what a node is given at its start."""
+    return [Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+            for name, value in values.items()]
+
+
 def declare(node: Node) -> Parameters:
     """Declare the positioner's parameters, see `declare_table`."""
     return declare_table(node, ALL_DESCRIPTIONS, READ_ONLY, checked, check)

@@ -16,7 +16,6 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from ..parameters.schema import ALL_DESCRIPTIONS, Parameters, checked
@@ -27,6 +26,7 @@ from .declaration import (
     declare,
     effective_values,
     files_without_section,
+    overrides_of,
 )
 from .diagnostics import Loss, seconds
 from .drive import make_drive
@@ -79,7 +79,7 @@ class Positioner(Node):
         """
         super().__init__(
             node_name, namespace=namespace, context=context,
-            parameter_overrides=_parameters(parameter_overrides or {}),
+            parameter_overrides=overrides_of(parameter_overrides or {}),
             automatically_declare_parameters_from_overrides=True, start_parameter_services=False)
         check_files(arguments, self.get_fully_qualified_name(), checked)
         parameters = declare(self)
@@ -352,11 +352,6 @@ class Positioner(Node):
                 'no /clock', self._steady_now()):
             self.get_logger().warning(
                 'use_sim_time is true, but nothing has come on /clock: simulated time stands')
-
-
-def _parameters(values: Mapping[str, Any]) -> list[Parameter]:
-    return [Parameter(name, value=list(value) if isinstance(value, tuple) else value)
-            for name, value in values.items()]
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,0 +1,164 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Valves drawn for the twin: parameters, inputs, noise, drift, faults; and their blocks."""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from scipy.signal import lfilter
+
+from ..model.parameters import from_values
+from ..model.stream import Stream
+from ..model.system import PositionerParameters
+from ..twin.alarm import Alarms, Settings
+from ..twin.predictor import Predictor
+from ..twin.summaries import KINDS, Summary, summary
+
+RATE = 5.0
+"""Rows per second."""
+
+BLOCK, LEARNING = 20.0, 2400.0
+LASTS, CHANGES = 7200.0, 5400.0
+"""Length of a run, and when its valve changes, s."""
+
+PIECE = 2000
+CHANNELS = ('chamber_pressure', 'valve_position')
+NAMES = [(channel, kind) for channel in CHANNELS for kind in KINDS]
+CLEAN: dict[str, float] = {}
+
+
+class Run(NamedTuple):
+    """Blocks of a valve, and when it changed, s (its end for a clean one)."""
+
+    blocks: list[Summary]
+    changed: float
+
+
+def effects() -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield effects and sizes."""
+    for newtons in (30.0, 100.0, 300.0):
+        yield f'stem friction {newtons:g} N', {'actuator.coulomb_friction': newtons}
+    for area in (2e-8, 1e-7):
+        yield f'chamber leak {1e6 * area:g} mm²', {'actuator.leak_area': area}
+    for shift in (1e3, 3e3):
+        yield f'bench set {1e-3 * shift:g} kPa', {'actuator.bench_set_shift': shift}
+    for play in (5e-5, 3e-4):
+        yield f'feedback backlash {1e6 * play:g} µm', {'sensors.position_backlash': play}
+
+
+def coloured(random: np.random.Generator, rho: float, size: int) -> np.ndarray:
+    """Return first-order noise of variance 1."""
+    white = random.standard_normal(size)
+    return lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], white)
+
+
+def numbers_of(seed: int, fault: Mapping[str, float]) -> Run:
+    """Return the blocks of a drawn valve, run beside a model that is near it but not equal."""
+    random = np.random.default_rng(seed)
+    time = np.arange(round(LASTS * RATE)) / RATE
+    current = _input(random, time)
+    declared = {'supply.pressure': 400e3, 'ep_converter.gain': 540340406.719717,
+                'actuator.viscous_friction': 3000.0}
+    true = {name: value * (1.0 + 0.002 * random.standard_normal())
+            for name, value in declared.items()}
+    rho = random.choice([0.0, 0.5, 0.9])
+    rows = {'time': time, 'control_current': current}
+    begin, state = 0, {'chamber_pressure': 2e5}
+    seen: dict[str, list[np.ndarray]] = {name: [] for name in CHANNELS}
+    change = int(CHANGES * RATE)
+    for end, values in ((change, true), (len(time), {**true, **fault})):
+        stream = Stream(from_values(values), time[begin], current[begin], state)
+        told = stream.advance(time[begin:end], current[begin:end])
+        for name in CHANNELS:
+            seen[name].append(told[f'measured_{name}'])
+        state = {name: float(told[name][-1]) for name in CHANNELS}
+        begin = end
+    sizes = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+    drift = np.sin(2.0 * np.pi * (time / 86400.0 + random.random()))
+    for name, span in (('chamber_pressure', 400e3), ('valve_position', 0.016)):
+        rows[name] = (np.concatenate(seen[name]) + sizes[name] * coloured(random, rho, len(time))
+                      + 0.001 * span * random.random() * drift)
+    return Run(_blocks(from_values(declared), rows), CHANGES if fault else LASTS)
+
+
+def _input(random: np.random.Generator, time: np.ndarray) -> np.ndarray:
+    """Return steps around operating points that shift, with noise of the controller, A."""
+    dwell = random.choice([3.0, 8.0, 15.0])
+    steps = random.random(int(LASTS / dwell) + 2)[(time / dwell).astype(int)]
+    points = random.random(int(LASTS / 1200.0) + 2)[(time / 1200.0).astype(int)]
+    wide = random.choice([0.01e-3, 0.03e-3, 0.05e-3])
+    held = random.standard_normal(len(time)) * random.choice([0.0, 1e-7, 5e-7])
+    return 0.405e-3 + 0.02e-3 * points + wide * steps * 0.8 + held
+
+
+def _blocks(p: PositionerParameters, rows: Mapping[str, np.ndarray]) -> list[Summary]:
+    predictor = Predictor(p, frozenset(rows) - {'time'})
+    spans = {'chamber_pressure': p.supply.pressure, 'valve_position': p.actuator.travel}
+    said: dict[str, list[np.ndarray]] = {name: [] for name in CHANNELS}
+    left: dict[str, list[np.ndarray]] = {name: [] for name in CHANNELS}
+    for begin in range(0, len(rows['time']), PIECE):
+        told = predictor.advance({name: one[begin:begin + PIECE] for name, one in rows.items()})
+        for name in CHANNELS:
+            said[name].append(told.said[name])
+            left[name].append(told.left[name])
+    whole_said, whole_left = ({name: np.concatenate(parts) for name, parts in of.items()}
+                              for of in (said, left))
+    size = round(BLOCK * RATE)
+    found = []
+    for begin in range(0, len(rows['time']) - size + 1, size):
+        piece = slice(begin, begin + size)
+        block = summary(rows['time'][piece], {n: v[piece] for n, v in whole_said.items()},
+                        {n: v[piece] for n, v in whole_left.items()}, spans)
+        if block is not None:
+            found.append(block)
+    return found
+
+
+def _alarms(per_thousand: float) -> Alarms:
+    return Alarms(Settings(false_alarms=8.766 * per_thousand, block=BLOCK, learning=LEARNING),
+                  NAMES)
+
+
+def twin_false_alarms(runs: list[Run], per_thousand: float) -> tuple[int, float]:
+    """Return false alarms and valve-hours of clean runs; the promise is per 1000 h."""
+    count = 0
+    for run in runs:
+        alarms = _alarms(per_thousand)
+        count += sum(len(alarms.note(block)) for block in run.blocks)
+    return count, sum(len(run.blocks) for run in runs) * BLOCK / 3600.0
+
+
+def twin_delay(run: Run, per_thousand: float = 10.0) -> float | None:
+    """Return the delay to the first alarm after the change, s; None for none."""
+    alarms = _alarms(per_thousand)
+    for block in run.blocks:
+        if alarms.note(block) and block.end > run.changed:
+            return block.end - run.changed
+    return None
+
+
+def drawn_alarms(hours: float, per_thousand: float) -> tuple[int, float]:
+    """Return false alarms and valve-hours over drawn residuals: law, colour and drift by valve."""
+    count, each = 0, 200.0
+    length = int(each * 3600.0 / BLOCK)
+    valves = max(round(hours / each), 1)
+    for seed in range(valves):
+        random = np.random.default_rng(seed)
+        alarms = _alarms(per_thousand)
+        rho, degrees = random.choice([0.0, 0.2, 0.4]), random.choice([3.0, 5.0, 30.0])
+        drift = random.random() * np.sin(2.0 * np.pi * (
+            np.arange(length) * BLOCK / 86400.0 + random.random()))
+        columns = []
+        for _, kind in NAMES:
+            tolerance = alarms.settings.tolerance(kind)
+            law = random.standard_t(degrees, length) * 10.0**random.uniform(-1.5, 0.0)
+            for k in range(1, length):
+                law[k] += rho * law[k - 1]
+            columns.append(tolerance * (law + drift))
+        cells = [(int(third), 1) for third in
+                 random.integers(0, 3, length // 90 + 1).repeat(90)[:length]]
+        for k, numbers in enumerate(np.array(columns).T.tolist()):
+            count += len(alarms.note(Summary(
+                BLOCK * k, BLOCK * (k + 1), cells[k], dict(zip(NAMES, numbers)))))
+    return count, valves * each

@@ -1,0 +1,151 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The alarms of one valve: learning, detectors for every number, the promise and what is said."""
+
+from collections.abc import Iterable
+import math
+from typing import NamedTuple
+
+from .detector import FEWEST, Detector
+from .learning import in_groups, join_of
+from .summaries import LEVEL, REVERSAL, SPREAD, Summary, joined
+
+YEAR = 365.25 * 86400.0
+"""Seconds."""
+
+WORDS = {
+    LEVEL: 'is off by {size:+.2f} % of its span',
+    REVERSAL: 'differs between up and down by {size:+.2f} % of its span',
+    SPREAD: 'scatters {factor:.2f} times as much as before',
+}
+
+
+class Settings(NamedTuple):
+    """What is promised, and of which valve."""
+
+    false_alarms: float = 1.0
+    """False alarms per valve-year, on average, at the most."""
+    drift: float = 0.003
+    """Declared drift of a level, a share of the span to either side: day and night, model error."""
+    drift_of_reversal: float = 0.001
+    """The same of the difference between up and down."""
+    drift_of_spread: float = 0.1
+    """The same of the logarithm of the spread."""
+    block: float = 20.0
+    """Length of a block, s."""
+    learning: float = 3600.0
+    """Time, s, of blocks by which the valve shows how it is while it is healthy."""
+
+    def tolerance(self, kind: str) -> float:
+        """Return the drift that is allowed for a kind of number."""
+        return {LEVEL: self.drift, REVERSAL: self.drift_of_reversal,
+                SPREAD: self.drift_of_spread}[kind]
+
+
+class Alarm(NamedTuple):
+    """An alarm: when it was given and since when it grew, s; where, and by how much."""
+
+    time: float
+    since: float
+    channel: str
+    kind: str
+    shift: float
+
+    @property
+    def sentence(self) -> str:
+        """What the valve does that it did not do before."""
+        return f'{self.channel} ' + WORDS[self.kind].format(
+            size=100.0 * self.shift, factor=math.exp(self.shift))
+
+
+class Alarms:
+    """
+    Takes the summaries of blocks one after the other, and gives alarms at the promised rate.
+
+    The promise (`detector`) holds for all numbers together. It is given once `learning` s have been
+    seen and blocks were found that do not hang together; until then `lacking` says what is missing.
+    """
+
+    def __init__(self, settings: Settings, names: Iterable[tuple[str, str]]) -> None:
+        self.settings = settings
+        self.names = tuple(names)
+        self.alarms: list[Alarm] = []
+        self.blocks = 0
+        """Blocks that were judged, after they had been joined."""
+        self._first: list[Summary] = []
+        self._waiting: list[Summary] = []
+        self.join: int | None = None
+        """Blocks that are judged as one; None while that is being learnt."""
+        self._detectors: dict[tuple[str, str], Detector] = {}
+        self._cell: tuple[int, int] | None = None
+
+    @property
+    def promised(self) -> bool:
+        """Whether the rate of false alarms is promised now."""
+        return self.join is not None
+
+    @property
+    def lacking(self) -> str:
+        """What keeps the alarms from promising or from seeing anything, '' for nothing."""
+        if self.join is None:
+            seen = self.settings.block * len(self._first)
+            if seen < self.settings.learning:
+                return f'learning: {seen:.0f} of {self.settings.learning:.0f} s'
+            return ('residuals hang together for longer than blocks of this length: no rate of '
+                    'false alarms can be promised yet')
+        if self._cell is not None:
+            known = max((one.compared_with(self._cell) for one in self._detectors.values()),
+                        default=0)
+            if known < FEWEST:
+                return (f'this operating point is new: {known} of {FEWEST} blocks to compare with')
+        return ''
+
+    @property
+    def evidence(self) -> float:
+        """The largest evidence now, as a share of what makes an alarm, both as logarithms."""
+        return max((max(one.log_evidence, 0.0) / math.log(one.threshold)
+                    for one in self._detectors.values()), default=0.0)
+
+    def note(self, block: Summary) -> list[Alarm]:
+        """Take the next block; return the alarms that it makes."""
+        if self.join is None:
+            self._learn(block)
+            return []
+        if self._waiting and block.begin - self._waiting[-1].end > self.settings.block:
+            self._waiting = []
+        self._waiting.append(block)
+        if len(self._waiting) < self.join:
+            return []
+        whole, self._waiting = joined(self._waiting), []
+        return self._judge(whole)
+
+    def _learn(self, block: Summary) -> None:
+        self._first.append(block)
+        # asked again after as many more where it was not enough
+        every = max(int(self.settings.learning / self.settings.block), 24)
+        count = len(self._first)
+        if count < every or count % every:
+            return
+        self.join = join_of(self._first)
+        if self.join is None:
+            self._first = self._first[-4 * every:]
+            return
+        length = self.settings.block * self.join
+        threshold = len(self.names) * YEAR / length / self.settings.false_alarms
+        self._detectors = {
+            name: Detector(self.settings.tolerance(name[1]), threshold, seed)
+            for seed, name in enumerate(self.names)}
+        for one in in_groups(self._first, self.join):
+            self._judge(one)
+        self._first = []
+
+    def _judge(self, block: Summary) -> list[Alarm]:
+        self.blocks += 1
+        self._cell = block.cell
+        found = []
+        for name, detector in self._detectors.items():
+            if name in block.numbers and detector.note(
+                    block.begin, block.cell, block.numbers[name]):
+                found.append(Alarm(block.end, detector.since, *name, detector.shift))
+        self.alarms = [*self.alarms, *found][-100:]
+        return found

@@ -1,0 +1,154 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A sequential alarm whose rate of false alarms is bounded at any time, without a model of the noise.
+
+One detector watches one number per block, x_t (a summary of residuals). What it takes for granted
+of a healthy valve:
+
+    x_t = m_t + n_t,  |m_t - centre| <= tolerance,  n_t exchangeable within each operating cell.
+
+m_t is any slow course within the declared tolerance: day and night, error of the model, error of
+the centre. Nothing is said of the law of n_t: heavy tails and any colour within a block will do.
+
+1. Conformal p-value (V. Vovk, A. Gammerman, G. Shafer, Algorithmic Learning in a Random World,
+   2005). If scores s_1 ... s_t are exchangeable and u_t is uniform,
+
+       p_t = (#{i < t: s_i > s_t} + u_t (1 + #{i < t: s_i = s_t})) / t
+
+   are independent and uniform on (0, 1), exactly, for any t. Scores of a cell are compared within
+   that cell alone (Mondrian), so a change of the operating point asks a fresh question.
+2. Tolerance. Not |n_t| is seen but x_t. A past block scores |x_i - centre| + tolerance, which is
+   not below |n_i|, the present one max(|x_t - centre| - tolerance, 0) <= |n_t|. So p_t is not below
+   the one of the |n|, point by point, and what follows holds for every course within tolerance.
+3. e-value. f(p) = integral over k in (0, 1) of k p^(k-1) = (1 - p + p ln p) / (p ln² p) falls in p
+   and has the integral 1, so e_t = f(p_t) has an expectation <= 1 given the past.
+4. e-detector of Shiryaev and Roberts (J. Shin, A. Ramdas, A. Rinaldo, E-detectors, New England J.
+   Statistics in Data Science 2 (2024) 229): M_t = (M_t-1 + 1) e_t, and 0 after an alarm, which is
+   given where M_t >= c. As E[M_t | past] <= M_t-1 + 1, M_t - t + c N_t is a supermartingale, N_t
+   being the alarms so far, and so
+
+       E[N_t] <= t / c        for every t: at most one false alarm in c blocks, on average.
+
+With J detectors, each with c = J / (rate per block), the rate of all together is kept (sums of
+expectations; nothing is asked of how they hang together).
+
+What is not covered: blocks that hang together beyond the tolerance (`learning` lengthens the
+blocks until they do not, or says that it cannot), and a change that comes with the first blocks of
+a cell, which are then what it takes for healthy.
+"""
+
+import bisect
+import math
+
+import numpy as np
+
+CENTRING = 8
+"""Blocks of a cell that tell its centre, and nothing else."""
+
+FEWEST = 30
+"""Blocks of a cell to compare with below which the detector is as good as blind there."""
+
+MOST = 20_000
+"""Scores kept of a cell; then each new one takes the place of one at random, so that those kept are
+a random sample of all."""
+
+
+def evidence(p: float) -> float:
+    """
+    Return the e-value of a p-value in (0, 1]: the mixture of all bets k p^(k-1), 0 < k < 1.
+
+    >>> round(evidence(0.001), 1), round(evidence(1.0), 1)
+    (20.8, 0.5)
+    """
+    if p > 1.0 - 1e-6:
+        return 0.5
+    p = max(p, 1e-12)
+    log = math.log(p)
+    return (1.0 - p + p * log) / (p * log * log)
+
+
+class Cell:
+    """The scores of one operating cell, and the centre that they are counted from."""
+
+    def __init__(self) -> None:
+        self._first: list[float] = []
+        self._scores: list[float] = []
+        self._seen = 0
+        self.centre = math.nan
+
+    @property
+    def size(self) -> int:
+        """How many blocks there are to compare with."""
+        return len(self._scores)
+
+    def p_value(self, x: float, tolerance: float, random: np.random.Generator) -> float | None:
+        """Return the p-value of a block, and take it in; None while the centre is sought."""
+        if len(self._first) < CENTRING:
+            self._first.append(x)
+            if len(self._first) == CENTRING:
+                self.centre = float(np.median(self._first))
+            return None
+        distance = abs(x - self.centre)
+        score = max(distance - tolerance, 0.0)
+        # what is kept is the distance: the tolerance is added to all of them alike
+        above = self.size - bisect.bisect_right(self._scores, score - tolerance)
+        ties = self.size - bisect.bisect_left(self._scores, score - tolerance) - above
+        p = (above + random.random() * (1 + ties)) / (self.size + 1)
+        self._keep(distance, random)
+        return p
+
+    def _keep(self, distance: float, random: np.random.Generator) -> None:
+        self._seen += 1
+        if self.size >= MOST:
+            if random.random() >= MOST / self._seen:
+                return
+            self._scores.pop(int(random.integers(self.size)))
+        bisect.insort(self._scores, distance)
+
+
+class Detector:
+    """Watches one number; `threshold` is c above, a mean number of blocks from alarm to alarm."""
+
+    def __init__(self, tolerance: float, threshold: float, seed: int = 0) -> None:
+        self.tolerance, self.threshold = tolerance, threshold
+        self._random = np.random.default_rng(seed)
+        self._cells: dict[tuple[int, int], Cell] = {}
+        self._log = -math.inf
+        self._excursion = 0.0
+        self._since = math.nan
+        self._moved: list[float] = []
+        self.shift = 0.0
+        """Mean of the number less its centre since `since`."""
+
+    @property
+    def log_evidence(self) -> float:
+        """Natural logarithm of M: an alarm where it reaches that of the threshold."""
+        return self._log
+
+    @property
+    def since(self) -> float:
+        """Begin, s, of the block from which on the evidence has grown (E. S. Page's maximum)."""
+        return self._since
+
+    def compared_with(self, cell: tuple[int, int]) -> int:
+        """Return how many blocks of a cell there are to compare with."""
+        return self._cells[cell].size if cell in self._cells else 0
+
+    def note(self, begin: float, cell: tuple[int, int], x: float) -> bool:
+        """Take the number of a block that began at `begin` s; tell whether this is an alarm."""
+        there = self._cells.setdefault(cell, Cell())
+        p = there.p_value(x, self.tolerance, self._random)
+        if p is None:
+            return False
+        e = math.log(evidence(p))
+        self._log = (math.log1p(math.exp(self._log)) if self._log < 30.0 else self._log) + e
+        if self._excursion <= 0.0:
+            self._since, self._excursion, self._moved = begin, 0.0, []
+        self._excursion += e
+        self._moved = [*self._moved[-200:], x - there.centre]
+        if self._log < math.log(self.threshold):
+            return False
+        self.shift = float(np.mean(self._moved))
+        self._log, self._excursion = -math.inf, 0.0
+        return True

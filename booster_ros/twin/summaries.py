@@ -1,0 +1,91 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a block of residuals is summarised by: a few numbers per channel, and its operating cell."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+LEVEL, REVERSAL, SPREAD = 'level', 'reversal', 'spread'
+KINDS = (LEVEL, REVERSAL, SPREAD)
+
+FEWEST_ROWS = 16
+"""Rows with a residual that a block must have to be summarised."""
+
+SIDE = 0.1
+"""Share of a block's rows that must go up, and down, for a difference between the two."""
+
+MOVES = 0.002
+"""Share of the span per second beyond which a channel moves up or down."""
+
+ACTIVITIES = (0.02, 0.5)
+"""Ways gone in a block, as shares of the span, between little, some and much motion."""
+
+THIRDS = 3
+
+
+class Summary(NamedTuple):
+    """A block: where it begins and ends (s), its cell, and its numbers by (channel, kind)."""
+
+    begin: float
+    end: float
+    cell: tuple[int, int]
+    numbers: dict[tuple[str, str], float]
+
+
+def summary(
+    time: Array, said: Mapping[str, Array], left: Mapping[str, Array], spans: Mapping[str, float],
+) -> Summary | None:
+    """
+    Return the summary of a block; None where no channel has enough residuals.
+
+    `said` are the predictions, `left` the residuals, shape (n,) each; `spans` are the travel, m,
+    and the supply pressure, Pa. Numbers:
+
+    level     mean of the residual, as a share of the span (bias, leak, spring, gain)
+    reversal  half of: mean while the valve goes up less mean while it goes down, as a share of the
+              span (friction, backlash, dead band); missing where it does not go both ways
+    spread    logarithm of the standard deviation about the mean (stick-slip, hunting, lags)
+
+    The cell is the third of the range that the predicted channel is in, and how far it went.
+    """
+    numbers: dict[tuple[str, str], float] = {}
+    for name, residual in left.items():
+        known = np.isfinite(residual)
+        if np.count_nonzero(known) < max(FEWEST_ROWS, len(residual) // 2):
+            continue
+        share = residual[known] / spans[name]
+        mean = float(np.mean(share))
+        numbers[name, LEVEL] = mean
+        numbers[name, SPREAD] = float(np.log(max(float(np.std(share)), 1e-9)))
+        speed = np.gradient(said[name], time)[known] / spans[name]
+        up, down = speed > MOVES, speed < -MOVES
+        if min(np.count_nonzero(up), np.count_nonzero(down)) >= SIDE * len(share):
+            numbers[name, REVERSAL] = 0.5 * float(np.mean(share[up]) - np.mean(share[down]))
+    if not numbers:
+        return None
+    return Summary(float(time[0]), float(time[-1]), _cell(said, spans), numbers)
+
+
+def _cell(said: Mapping[str, Array], spans: Mapping[str, float]) -> tuple[int, int]:
+    """Return the operating cell of a block, told by the last channel that is predicted."""
+    name = list(said)[-1]
+    course = said[name][np.isfinite(said[name])] / spans[name]
+    if not len(course):
+        return 0, 0
+    third = int(np.clip(THIRDS * np.mean(course), 0, THIRDS - 1))
+    way = float(np.sum(np.abs(np.diff(course))))
+    return third, int(np.searchsorted(ACTIVITIES, way))
+
+
+def joined(blocks: list[Summary]) -> Summary:
+    """Return several blocks as one: numbers averaged, the cell of the most motion."""
+    names = dict.fromkeys(name for one in blocks for name in one.numbers)
+    return Summary(
+        blocks[0].begin, blocks[-1].end,
+        max((one.cell for one in blocks), key=lambda cell: cell[1]),
+        {name: float(np.mean([one.numbers[name] for one in blocks if name in one.numbers]))
+         for name in names})

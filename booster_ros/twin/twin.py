@@ -1,0 +1,191 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The twin of one valve: samples in; prediction, residuals, alarms and health out."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model.system import PositionerParameters
+from ..signals.noise_level import white_noise
+from .aligning import CHANNELS, Aligner
+from .alarm import Alarm, Alarms, Settings
+from .health import Health, health
+from .predictor import COMPARED, POSITION, PRESSURE, Predictor, Prediction
+from .summaries import KINDS, Summary, summary
+
+LISTENING = 3.0
+"""Time, s, after which the channels that have come are those that the valve has."""
+
+SILENT = 5.0
+"""Time, s, without a sample from which a channel is lost, while others come."""
+
+BEYOND = 1.2
+"""Share of the span from which a reading cannot be."""
+
+REMEMBERED = 0.05
+"""Weight of a new block in the running levels of noise and residual."""
+
+
+class Now(NamedTuple):
+    """The last row of a channel: reading, prediction and its standard uncertainty, noise (SI)."""
+
+    time: float
+    read: float
+    said: float
+    uncertainty: float
+    noise: float
+
+    @property
+    def in_noise(self) -> float:
+        """The residual in units of the noise."""
+        return (self.read - self.said) / self.noise if self.noise > 0.0 else math.nan
+
+
+class Twin:
+    """Runs the model of `parameters` beside samples of a valve; `settings` are of its alarms."""
+
+    def __init__(
+        self, parameters: PositionerParameters, settings: Settings, compiled: bool = True,
+        aligner: Aligner | None = None,
+    ) -> None:
+        self.settings = settings
+        self.aligner = aligner or Aligner()
+        self.latched: list[Alarm] = []
+        """Alarms since the last acknowledgement."""
+        self.now: dict[str, Now] = {}
+        self._parameters, self._compiled = parameters, compiled
+        self._predictor: Predictor | None = None
+        self._alarms: Alarms | None = None
+        self._came: dict[str, float] = {}
+        self._begun = math.nan
+        self._noise: dict[str, float] = {}
+        self._misfit: dict[str, float] = {}
+        self._block: list[tuple[Prediction, dict[str, np.ndarray]]] = []
+
+    @property
+    def parameters(self) -> PositionerParameters:
+        """The parameters of the model that runs."""
+        return self._parameters
+
+    def adopt(self, parameters: PositionerParameters) -> None:
+        """Run another model from now on; what is healthy for it has to be learnt anew."""
+        self._parameters = parameters
+        self._predictor = self._alarms = None
+        self._block, self._misfit, self.latched = [], {}, []
+
+    def acknowledge(self) -> None:
+        """Take the alarms as seen."""
+        self.latched = []
+
+    @property
+    def alarms(self) -> Alarms | None:
+        """The alarms; None before the channels are known."""
+        return self._alarms
+
+    @property
+    def spans(self) -> dict[str, float]:
+        """The spans that residuals are shares of: Pa, m."""
+        return {PRESSURE: self._parameters.supply.pressure,
+                POSITION: self._parameters.actuator.travel}
+
+    def add(self, channel: str, stamp: float, value: float) -> None:
+        """Take a sample: stamp in s, value in SI units, pressures gauge."""
+        self.aligner.add(channel, stamp, value)
+        if math.isfinite(value):
+            if math.isnan(self._begun):
+                self._begun = stamp
+            self._came[channel] = stamp
+
+    def update(self) -> list[Alarm]:
+        """Go on over the samples that are complete; return new alarms."""
+        if self._predictor is None and not self._listened():
+            return []
+        assert self._predictor is not None
+        if self.aligner.jumped:
+            self.aligner.jumped = False
+            self._predictor.restart()
+            self._block = []
+        rows = self.aligner.rows()
+        if not len(rows['time']):
+            return []
+        said = self._predictor.advance(rows)
+        self._show(rows, said)
+        self._block.append((said, {name: rows[name] for name in said.said}))
+        first, last = self._block[0][0].time[0], said.time[-1]
+        if last - first < self.settings.block:
+            return []
+        found = self._end_block()
+        self.latched = [*self.latched, *found]
+        return found
+
+    def _listened(self) -> bool:
+        newest = max(self._came.values(), default=-math.inf)
+        if math.isnan(self._begun):
+            return False
+        if newest < self._begun:  # the clock went back
+            self._begun = newest
+        if newest - self._begun < LISTENING:
+            return False
+        self._predictor = Predictor(
+            self._parameters, frozenset(self._came), self._compiled)
+        names = [(channel, kind) for channel in self._predictor.channels for kind in KINDS]
+        self._alarms = Alarms(self.settings, names)
+        return True
+
+    def _show(self, rows: dict[str, np.ndarray], said: Prediction) -> None:
+        for name, values in said.said.items():
+            places = np.flatnonzero(np.isfinite(values) & np.isfinite(rows[name]))
+            if len(places):
+                k = places[-1]
+                self.now[name] = Now(
+                    float(said.time[k]), float(rows[name][k]), float(values[k]),
+                    self._misfit.get(name, math.nan), self._noise.get(name, math.nan))
+
+    def _end_block(self) -> list[Alarm]:
+        pieces, self._block = self._block, []
+        time = np.concatenate([one.time for one, _ in pieces])
+        names = list(pieces[0][0].said)
+        said, left, read = (
+            {name: np.concatenate([of[name] for of in ofs]) for name in names}
+            for ofs in ([one.said for one, _ in pieces], [one.left for one, _ in pieces],
+                        [rows for _, rows in pieces]))
+        for name in names:
+            self._follow(self._noise, name, white_noise(read[name]))
+            known = left[name][np.isfinite(left[name])]
+            if len(known):
+                self._follow(self._misfit, name, float(np.sqrt(np.mean(known**2))))
+        block = summary(time, said, left, self.spans)
+        assert self._alarms is not None
+        return [] if block is None else self._alarms.note(block)
+
+    def _follow(self, levels: dict[str, float], name: str, new: float) -> None:
+        if math.isfinite(new):
+            levels[name] = new if name not in levels else math.sqrt(
+                (1.0 - REMEMBERED) * levels[name]**2 + REMEMBERED * new**2)
+
+    def silent(self) -> list[str]:
+        """Return the readings that no longer come though others do."""
+        newest = max(self._came.values(), default=0.0)
+        return [name for name in CHANNELS if name in self._came and name not in
+                ('control_current', 'set_point') and newest - self._came[name] > SILENT]
+
+    @property
+    def health(self) -> Health:
+        """Health by NAMUR NE 107."""
+        lacking = 'waiting for samples of the valve'
+        if self._predictor is not None and not self._predictor.channels:
+            lacking = ('what comes of the valve (' + ', '.join(sorted(self._came))
+                       + ') does not drive a model and tell what comes of it')
+        elif self._alarms is not None:
+            lacking = self._alarms.lacking
+        beyond = [
+            f'{name} reads {now.read:.4g}, beyond what this valve can have'
+            for name, now in self.now.items() if name in COMPARED
+            and not -BEYOND + 1.0 <= now.read / self.spans[name] <= BEYOND]
+        worst = {(one.channel, one.kind): one.sentence for one in self.latched}
+        return health(self.silent(), list(worst.values()), beyond, lacking)
+
+
+__all__ = ['Now', 'Settings', 'Summary', 'Twin']

@@ -1,0 +1,84 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Start a positioner that plays the real valve, moves it, and the twin beside it.
+
+ros2 launch booster_ros twin.launch.py faults:='[{fault: f8, at: 120.0}]'
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Declare the arguments and start the three nodes."""
+    share = FindPackageShare('booster_ros')
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument(
+                'params_file',
+                default_value=PathJoinSubstitution([share, 'config', 'positioner.yaml']),
+                description='ROS 2 parameter file of the valve, and of the model beside it',
+            ),
+            DeclareLaunchArgument(
+                'twin_params_file',
+                default_value=PathJoinSubstitution([share, 'config', 'twin.yaml']),
+                description='ROS 2 parameter file of the twin',
+            ),
+            DeclareLaunchArgument(
+                'faults', default_value='[]', description='timetable of faults: docs/faults.md'
+            ),
+            DeclareLaunchArgument(
+                'learning', default_value='96.0', description='seconds in which the twin learns'
+            ),
+            DeclareLaunchArgument(
+                'block', default_value='2.0', description='seconds that are judged as one'
+            ),
+            Node(
+                package='booster_ros',
+                executable='positioner',
+                name='positioner',
+                # not among `parameters`: a file that is not there would be passed over
+                ros_arguments=['--params-file', LaunchConfiguration('params_file')],
+                parameters=[
+                    {
+                        'faults.timetable': ParameterValue(
+                            LaunchConfiguration('faults'), value_type=str
+                        ),
+                        'measurement.pressure_noise': 150.0,
+                        'measurement.position_noise': 8e-6,
+                    }
+                ],
+                output='screen',
+            ),
+            Node(
+                package='booster_ros',
+                executable='fake_controller',
+                name='fake_controller',
+                parameters=[
+                    {'profile': 'sines', 'loop': True, 'frequencies': [0.05, 0.13, 0.31]}
+                ],
+                output='screen',
+            ),
+            Node(
+                package='booster_ros',
+                executable='twin',
+                name='twin',
+                ros_arguments=['--params-file', LaunchConfiguration('twin_params_file')],
+                parameters=[
+                    {
+                        'model': LaunchConfiguration('params_file'),
+                        'learning': ParameterValue(
+                            LaunchConfiguration('learning'), value_type=float
+                        ),
+                        'block': ParameterValue(LaunchConfiguration('block'), value_type=float),
+                    }
+                ],
+                output='screen',
+            ),
+        ]
+    )

@@ -1,0 +1,269 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""The twin without ROS: samples, prediction, alarms and what is kept."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from booster_ros.model.parameters import ParameterError, from_values
+from booster_ros.model.stream import Stream
+from booster_ros.twin.aligning import Aligner
+from booster_ros.twin.alarm import Alarms, Settings
+from booster_ros.twin.detector import Detector, evidence
+from booster_ros.twin.health import health
+from booster_ros.twin.learning import join_of
+from booster_ros.twin.predictor import Predictor, roles, smoothed
+from booster_ros.twin.settings import check
+from booster_ros.twin.store import Store, StoreError
+from booster_ros.twin.summaries import Summary
+from booster_ros.twin.trends import Counters
+
+pytestmark = pytest.mark.unit
+
+RATE = 10.0
+CELL = (0, 0)
+
+
+def record(values=(), seconds=120.0, seed=0):
+    """Return rows of a valve with these parameters that moves every five seconds."""
+    random = np.random.default_rng(seed)
+    time = np.arange(round(seconds * RATE)) / RATE
+    current = 0.4e-3 + 0.06e-3 * random.random(len(time))[(time // 5.0).astype(int)]
+    seen = Stream(from_values(dict(values)), 0.0, current[0], {'chamber_pressure': 2e5}).advance(
+        time, current)
+    return {
+        'time': time, 'control_current': current,
+        'chamber_pressure': seen['chamber_pressure'] + 150.0 * random.standard_normal(len(time)),
+        'valve_position': seen['valve_position'] + 8e-6 * random.standard_normal(len(time)),
+    }
+
+
+def left_rms(rows, pieces=4):
+    predictor = Predictor(from_values({}), frozenset(rows) - {'time'})
+    left = {'chamber_pressure': [], 'valve_position': []}
+    for places in np.array_split(np.arange(len(rows['time'])), pieces):
+        told = predictor.advance({name: values[places] for name, values in rows.items()})
+        for name in left:
+            left[name].append(told.left[name])
+    return {name: float(np.sqrt(np.nanmean(np.concatenate(parts)**2)))
+            for name, parts in left.items()}, predictor
+
+
+# Samples
+
+def test_samples_come_out_in_order_and_what_was_wrong_with_them_is_counted():
+    aligner = Aligner(patience=0.099)
+    for stamp in (0.0, 0.2, 0.1, 0.2, 0.3):
+        aligner.add('valve_position', stamp, stamp)
+    aligner.add('valve_position', 0.4, float('nan'))
+    aligner.add('control_current', 0.15, 4e-4)
+    rows = aligner.rows()
+    np.testing.assert_allclose(rows['time'], [0.0, 0.1, 0.15, 0.2])
+    np.testing.assert_allclose(rows['valve_position'], [0.0, 0.1, np.nan, 0.2])
+    np.testing.assert_allclose(rows['control_current'], [np.nan, np.nan, 4e-4, 4e-4])
+    aligner.add('valve_position', 0.05, 0.0)
+    counts = aligner.counts
+    assert (counts.unordered, counts.repeated, counts.not_finite, counts.late) == (1, 1, 1, 1)
+
+
+def test_a_jump_of_the_clock_begins_anew():
+    aligner = Aligner()
+    for stamp in (100.0, 100.1, 3.0, 3.1, 3.5):
+        aligner.add('valve_position', stamp, 1e-3)
+    assert aligner.counts.jumps == 1
+    assert aligner.jumped
+    np.testing.assert_allclose(aligner.rows()['time'], [3.0, 3.1])
+
+
+# Prediction
+
+def test_a_healthy_valve_leaves_little_more_than_noise():
+    left, predictor = left_rms(record())
+    assert left['chamber_pressure'] < 3.0 * 150.0
+    assert left['valve_position'] < 3.0 * 8e-6
+    assert predictor.restarts == 0
+
+
+def test_a_fault_shows_where_it_is_born():
+    healthy, _ = left_rms(record())
+    rubs, _ = left_rms(record({'actuator.coulomb_friction': 300.0}))
+    assert rubs['valve_position'] > 10.0 * healthy['valve_position']
+    assert rubs['chamber_pressure'] < 1.5 * healthy['chamber_pressure']
+    leaks, _ = left_rms(record({'actuator.leak_area': 2e-7}))
+    assert leaks['chamber_pressure'] > 3.0 * healthy['chamber_pressure']
+    assert leaks['valve_position'] < 1.5 * healthy['valve_position']
+
+
+def test_after_a_dropout_the_prediction_begins_anew_and_says_nothing_until_it_has_settled():
+    rows = record()
+    gap = (rows['time'] > 50.0) & (rows['time'] < 60.0)
+    for name in ('chamber_pressure', 'valve_position'):
+        rows[name][gap] = np.nan
+    left, predictor = left_rms(rows)
+    assert predictor.restarts == 2  # once for each part
+    assert left['valve_position'] < 3.0 * 8e-6
+
+
+def test_parts_are_driven_by_what_is_measured():
+    p = from_values({})
+    assert roles(p, frozenset({'valve_position'})) == ()
+    assert [role.pinned for role in roles(p, frozenset({'chamber_pressure', 'valve_position'}))] \
+        == [('chamber_pressure',)]
+    loop = from_values({'position_controller.enabled': True})
+    told = roles(loop, frozenset({'set_point', 'valve_position'}))
+    assert [(role.channel, role.command) for role in told] == [('valve_position', 'set_point')]
+
+
+def test_a_straight_line_has_its_own_value_and_slope():
+    time = np.sort(np.random.default_rng(0).random(200)) + 1e6
+    value, slope = smoothed(time, 3.0 + 2.0 * (time - 1e6))
+    np.testing.assert_allclose(value, 3.0 + 2.0 * (time - 1e6), atol=1e-4)
+    np.testing.assert_allclose(slope[5:-5], 2.0, atol=1e-3)
+
+
+# Alarms
+
+def test_the_evidence_of_a_healthy_valve_is_one_on_average():
+    edges = np.geomspace(1e-12, 1.0, 40_001)
+    middle = np.sqrt(edges[1:] * edges[:-1])
+    integral = np.sum(np.array([evidence(p) for p in middle]) * np.diff(edges))
+    # the part below 1e-12 is missing: 1 / ln 1e12
+    assert integral == pytest.approx(1.0 - 1.0 / np.log(1e12), abs=2e-3)
+
+
+@pytest.mark.parametrize('law', ['heavy tails', 'coloured'])
+def test_false_alarms_keep_to_the_promised_rate_and_are_not_rare_for_want_of_power(law):
+    """A detector whose p-values or bets were wrong would give many more, or none."""
+    mean, length, valves = 20.0, 1500, 40
+    alarms = 0
+    for seed in range(valves):
+        random = np.random.default_rng(seed)
+        noise = random.standard_t(3, length)
+        if law == 'coloured':  # within a block: its mean is what is left of the colour
+            rows = random.standard_normal((length, 50))
+            for k in range(1, 50):
+                rows[:, k] += 0.7 * rows[:, k - 1]
+            noise = rows.mean(axis=1)
+        detector = Detector(0.0, mean, seed)
+        alarms += sum(detector.note(float(k), CELL, float(x)) for k, x in enumerate(noise))
+    expected = valves * length / mean
+    assert alarms <= expected + 3.0 * np.sqrt(expected)
+    assert alarms >= 0.2 * expected
+
+
+def test_a_drift_within_the_declared_one_is_no_alarm_and_beyond_it_is():
+    random = np.random.default_rng(0)
+    course = np.sin(2.0 * np.pi * np.arange(4000) / 1000.0)
+
+    def alarms(size: float) -> int:
+        detector = Detector(1.0, 100.0)
+        return sum(detector.note(float(k), CELL, float(x)) for k, x in enumerate(
+            0.1 * random.standard_normal(4000) + size * course))
+
+    assert alarms(0.9) == 0
+    detector = Detector(1.0, 1e6)
+    numbers = 0.3 * random.standard_normal(2000)
+    numbers[1000:] += 4.0
+    told = [k for k, x in enumerate(numbers) if detector.note(float(k), CELL, float(x))]
+    assert 1000 <= told[0] < 1030
+
+
+def test_another_operating_point_is_no_alarm():
+    random = np.random.default_rng(0)
+    detector = Detector(0.0, 1000.0)
+    for k in range(400):
+        assert not detector.note(float(k), (0, 0), float(random.standard_normal()))
+    for k in range(400):
+        assert not detector.note(400.0 + k, (2, 2), 50.0 + float(random.standard_normal()))
+
+
+def blocks_of(numbers):
+    return [Summary(20.0 * k, 20.0 * k + 20.0, CELL, {('valve_position', 'level'): float(x)})
+            for k, x in enumerate(numbers)]
+
+
+def test_blocks_are_joined_until_they_do_not_hang_together():
+    random = np.random.default_rng(0)
+    white = random.standard_normal(800)
+    coloured = white.copy()
+    for k in range(1, 800):
+        coloured[k] += 0.5 * coloured[k - 1]
+    assert join_of(blocks_of(white)) == 1
+    assert join_of(blocks_of(coloured)) in (2, 4, 8)
+
+
+def test_nothing_is_promised_before_the_valve_has_shown_how_it_is():
+    random = np.random.default_rng(0)
+    alarms = Alarms(Settings(learning=1200.0), [('valve_position', 'level')])
+    blocks = blocks_of(1e-3 * random.standard_normal(100))
+    for block in blocks[:59]:
+        assert alarms.note(block) == []
+    assert not alarms.promised
+    assert alarms.lacking.startswith('learning: 1180 of 1200 s')
+    alarms.note(blocks[59])
+    assert alarms.promised
+    assert alarms.lacking == ''
+
+
+# Health, trends, what is kept, parameters
+
+def test_health_says_the_worst_that_holds():
+    assert health([], [], [], '').status == 'good'
+    assert health([], [], [], 'learning').status == 'function check'
+    assert health([], ['it sticks'], [], 'learning').status == 'maintenance required'
+    assert health(['valve_position'], ['it sticks'], ['x'], '').status == 'failure'
+
+
+def test_noise_is_no_way_and_turns_are_counted():
+    counters = Counters(1e-4)
+    counters.add(1e-5 * np.random.default_rng(0).standard_normal(1000))
+    assert counters.values == {'way [m]': 0.0, 'turns': 0.0}
+    counters.add(1e-3 * np.sin(np.linspace(0.0, 2.0 * np.pi * 5.0, 1000)))
+    assert counters.turns == 10.0
+    # the band is lost at each turn
+    assert counters.way == pytest.approx(20e-3 - 10 * 2e-4 - 1e-4, rel=0.01)
+
+
+WRITER = """
+import os, sys
+from booster_ros.twin.store import Store
+store = Store(sys.argv[1])
+for k in range(10 ** 9):
+    store.trends(float(k), {'a': float(k), 'b': float(-k)})
+    os.write(1, b'%d\\n' % k)
+"""
+
+
+def test_what_was_written_outlives_a_kill(tmp_path):
+    path = tmp_path / 'trends.sqlite'
+    writer = subprocess.Popen(
+        [sys.executable, '-c', WRITER, str(path)], stdout=subprocess.PIPE, cwd=os.getcwd())
+    for line in writer.stdout:
+        if int(line) >= 50:
+            break
+    writer.send_signal(signal.SIGKILL)
+    told = [int(line), *map(int, writer.communicate()[0].split())]
+    kept = Store(path).latest()
+    assert kept['a'] >= told[-1]
+    assert kept['b'] == -kept['a']
+
+
+def test_a_file_that_is_no_store_is_named(tmp_path):
+    path = tmp_path / 'text.sqlite'
+    path.write_text('no database at all, but long enough to be read as one' * 40)
+    with pytest.raises(StoreError, match=r'text\.sqlite'):
+        Store(path)
+
+
+def test_parameters_that_contradict_each_other_are_refused():
+    with pytest.raises(ParameterError, match='24 blocks'):
+        check({'block': 100.0, 'learning': 1000.0})
+    with pytest.raises(ParameterError, match='did you mean drift'):
+        check({'drifts': 0.1})
