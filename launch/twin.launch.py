@@ -30,6 +30,12 @@ def generate_launch_description() -> LaunchDescription:
                 description='ROS 2 parameter file of the twin',
             ),
             DeclareLaunchArgument(
+                'log_level',
+                default_value='info',
+                choices=['debug', 'info', 'warn', 'error', 'fatal'],
+                description='least severity of what nodes log',
+            ),
+            DeclareLaunchArgument(
                 'faults', default_value='[]', description='timetable of faults: docs/faults.md'
             ),
             DeclareLaunchArgument(
@@ -43,7 +49,10 @@ def generate_launch_description() -> LaunchDescription:
                 executable='positioner',
                 name='positioner',
                 # not among `parameters`: a file that is not there would be passed over
-                ros_arguments=['--params-file', LaunchConfiguration('params_file')],
+                ros_arguments=[
+                    '--params-file', LaunchConfiguration('params_file'),
+                    '--log-level', LaunchConfiguration('log_level'),
+                ],
                 parameters=[
                     {
                         'faults.timetable': ParameterValue(
@@ -59,6 +68,7 @@ def generate_launch_description() -> LaunchDescription:
                 package='booster_ros',
                 executable='fake_controller',
                 name='fake_controller',
+                ros_arguments=['--log-level', LaunchConfiguration('log_level')],
                 parameters=[
                     {'profile': 'sines', 'loop': True, 'frequencies': [0.05, 0.13, 0.31]}
                 ],
@@ -68,7 +78,10 @@ def generate_launch_description() -> LaunchDescription:
                 package='booster_ros',
                 executable='twin',
                 name='twin',
-                ros_arguments=['--params-file', LaunchConfiguration('twin_params_file')],
+                ros_arguments=[
+                    '--params-file', LaunchConfiguration('twin_params_file'),
+                    '--log-level', LaunchConfiguration('log_level'),
+                ],
                 parameters=[
                     {
                         'model': LaunchConfiguration('params_file'),

@@ -33,7 +33,7 @@ ROSDEP_KEYS = {
     'yaml': 'python3-yaml',
 }
 # What the benchmark compares the model with, where it is installed; nothing else imports it.
-PEERS = {'sksundae'}
+PEERS = {'river', 'sksundae'}
 # Whoever names `booster_ros.testing.fixtures` in a test has it; nothing else imports it.
 OF_TESTS = {'pytest'}
 # For bags alone, and in no distribution's packages: a release cannot depend on what pip installs.
