@@ -1,7 +1,8 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 #
-#   make demo      the paper's step responses over real ROS 2 topics, its figures beside ours, a plot
+#   make demo      the paper's step responses over real ROS 2 topics, its figures beside ours, then
+#                  set points that a positioner follows; plots
 #   make test      everything that is tested
 #   make bench     speed beside scipy and SUNDIALS, docs/benchmarks.md and its plot written anew
 #   make measured  close_loop on real measurements, docs/measured.md and its figures written anew

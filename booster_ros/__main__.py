@@ -45,7 +45,7 @@ PROGRAMS = {
     'paper': ('booster_ros.programs.paper', "reproduce the paper's tables and identification"),
     'demo': (
         'booster_ros.programs.demo',
-        "the paper's step responses over real topics, with its figures beside ours and a plot",
+        "the paper's step responses and a position that is held, over real topics, with plots",
     ),
     'campaign': (
         'booster_ros.programs.campaign',

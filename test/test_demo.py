@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The demo: its table, and its end when it is interrupted."""
+"""The demo: its tables, its closed loop, and its end when it is interrupted."""
 
 import contextlib
 import os
@@ -8,12 +8,15 @@ from pathlib import Path
 import subprocess
 import sys
 
+import numpy as np
+import pytest
 from ros_process import PATIENCE, RosProcess, program
 
 from booster_ros.paper.comparison import comparison
 from booster_ros.paper.indices import StepIndices
 from booster_ros.paper.printed import table_3
-from booster_ros.programs import demo
+from booster_ros.programs import demo, demo_closed_loop
+from booster_ros.records import read_record
 
 
 def test_the_table_shows_the_paper_and_every_step():
@@ -24,6 +27,35 @@ def test_the_table_shows_the_paper_and_every_step():
     assert rows['rise time, 10 to 90 %'] == ['6.46', '6.10', '6.10', '6.20', '+0.82%']
     assert rows['settling time, 5 %'] == ['9.68', '9.62', '9.60', '9.70', '+0.31%']
     assert rows['integral square error'] == ['40899', '38087', '38000', '38400', '+0.30%']
+
+
+def test_the_closed_loop_follows_its_set_points_over_topics(tmp_path, capsys):
+    with demo.own_domain(os.environ) as environment:
+        demo_closed_loop.show_closed_loop(tmp_path, environment, dwell=4.0)
+    record = read_record(tmp_path / 'closed_loop.csv')
+    for start, level in ((0.0, 4e-3), (4.0, 12e-3), (8.0, 4e-3)):
+        resting = (record['time'] > start + 3.5) & (record['time'] < start + 3.9)
+        np.testing.assert_allclose(record['set_point'][resting], level)
+        np.testing.assert_allclose(record['valve_position'][resting], level, atol=0.15e-3)
+    assert np.ptp(record['chamber_pressure']) == pytest.approx(75e3, rel=0.05)
+    rows = {line[:24].strip(): line[36:].split() for line in capsys.readouterr().out.splitlines()}
+    assert rows['step'] == ['+50.0', '-50.0']
+    assert [float(text) for text in rows['T63']] == pytest.approx([1.13, 1.86], abs=0.1)
+    assert [float(text) for text in rows['T86']] == pytest.approx([1.63, 2.50], abs=0.1)
+    assert [float(text) for text in rows['dead time']] == pytest.approx([0.02, 0.04], abs=0.1)
+    assert all(0.0 <= float(text) < 2.0 for text in rows['overshoot'])
+    assert (tmp_path / 'closed_loop.png').read_bytes().startswith(b'\x89PNG')
+
+
+def test_the_demo_goes_on_to_the_closed_loop_in_the_same_domain(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(demo, 'play_step_test', lambda _, environment: seen.append(environment))
+    monkeypatch.setattr(demo, 'report', lambda *_: None)
+    monkeypatch.setattr(demo, 'show_closed_loop',
+                        lambda _, environment: seen.append(environment))
+    assert demo.main(['--out', str(tmp_path)]) == 0
+    assert len(seen) == 2
+    assert seen[0] is seen[1]
 
 
 def processes_with(mark: str) -> list[Path]:
@@ -50,7 +82,7 @@ def test_an_interrupted_demo_ends_both_nodes(tmp_path):
 
 INTERRUPTED_ELSEWHERE = """
 import signal, subprocess, sys, threading
-from booster_ros.programs.demo import ended
+from booster_ros.programs.demo_nodes import ended
 
 sleeper = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(600)'])
 

@@ -30,7 +30,7 @@ MAY_IMPORT = {
     'diagnosis': {'model', 'records', 'diagnosis/data', 'diagnosis/estimation',
                   'diagnosis/hypotheses', 'diagnosis/judging', 'diagnosis/selection'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
-    'metrics': {'records'},
+    'metrics': {'records', 'writing'},
     'twin': {'model', 'signals', 'parameters'},
     'paper': {'model', 'records', 'diagnosis/estimation', 'writing'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},

@@ -1,11 +1,12 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The paper's step test over real ROS 2 topics.
+The paper's step test over real ROS 2 topics, and a positioner that holds its position.
 
 Starts the positioner and the fake controller as two processes, lets the controller play
 0 → 0.4524 → 0 → 0.4524 mA in real time and record what it hears, and prints the paper's Table III
-beside the same indices of that record.
+beside the same indices of that record. Then the controller plays set points of 4, 12 and 4 mm to a
+positioner with a position controller, and the times of its response are printed.
 """
 
 from __future__ import annotations
@@ -15,10 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 import os
 from pathlib import Path
-import signal
-import subprocess
 import sys
-from typing import IO
 
 from ..paper.comparison import comparison
 from ..paper.printed import table_3
@@ -26,6 +24,8 @@ from ..paper.step_test import DURATION, DWELL, levels, upward_steps
 from ..paper.step_test_figure import draw_step_test
 from ..records import Record, RecordError, read_record
 from ..surroundings import INTERRUPTED
+from .demo_closed_loop import show_closed_loop
+from .demo_nodes import DemoError, play
 from .interruption import kept_interruption
 from .path_argument import given_path
 from .ros_domain import claim_domain
@@ -36,16 +36,6 @@ TICKS_PER_SECOND = 200
 
 LONGEST_DELAY = 0.1
 """Longest delay of a response, s: usually 0.06 s; a later one was held up on its way."""
-
-GLANCE = 0.5
-"""Time from one look for an interruption to the next, s."""
-
-PATIENCE = 10.0
-"""How long a process may take to end when it is told to, s."""
-
-
-class DemoError(Exception):
-    """The demo cannot go on; the message is one sentence for the user."""
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -61,8 +51,11 @@ def main(args: Sequence[str] | None = None) -> int:
     with kept_interruption():
         try:
             out.mkdir(parents=True, exist_ok=True)
-            record = play_step_test(out)
-            report(record, out / 'step_test.png')
+            with own_domain(os.environ) as environment:
+                record = play_step_test(out, environment)
+                report(record, out / 'step_test.png')
+                print()
+                show_closed_loop(out, environment)
         except (DemoError, RecordError, OSError, RuntimeError, ValueError) as error:
             complain('demo', error)
             return 2
@@ -72,30 +65,22 @@ def main(args: Sequence[str] | None = None) -> int:
     return 0
 
 
-def play_step_test(out: Path) -> Record:
+def play_step_test(out: Path, environment: Mapping[str, str]) -> Record:
     """Let the two nodes play the test, and return what the controller recorded."""
     log = out / 'positioner.log'
-    with own_domain(os.environ) as environment, log.open('w') as sink:
-        print(
-            f'Two nodes in ROS domain {environment["ROS_DOMAIN_ID"]} play the step test, '
-            f'{DURATION:.0f} s in real time. The positioner logs to {log}.',
-            flush=True,
-        )
-        settings = {
-            'profile': 'steps',
-            'levels': levels(),
-            'dwell': DWELL,
-            'feedback': 'stamped',
-            'record_csv': str(out / 'record.csv'),
-        }
-        rate = {'publish_rate': float(TICKS_PER_SECOND)}
-        with (
-            running('positioner', rate, environment, sink),
-            running('fake_controller', settings, environment) as controller,
-        ):
-            status = ended(controller)
-    if status != 0:
-        raise DemoError(f'the fake controller ended with status {status}; see also {log}')
+    print(
+        f'Two nodes in ROS domain {environment["ROS_DOMAIN_ID"]} play the step test, '
+        f'{DURATION:.0f} s in real time. The positioner logs to {log}.',
+        flush=True,
+    )
+    settings = {
+        'profile': 'steps',
+        'levels': levels(),
+        'dwell': DWELL,
+        'feedback': 'stamped',
+        'record_csv': str(out / 'record.csv'),
+    }
+    play(settings, {'publish_rate': float(TICKS_PER_SECOND)}, None, environment, log)
     return read_record(out / 'record.csv')
 
 
@@ -114,45 +99,6 @@ def own_domain(environment: Mapping[str, str]) -> Iterator[dict[str, str]]:
         }
     finally:
         domain.release()
-
-
-@contextmanager
-def running(
-    name: str,
-    parameters: Mapping[str, object],
-    environment: Mapping[str, str],
-    sink: IO[str] | None = None,
-) -> Iterator[subprocess.Popen[bytes]]:
-    """Run one of the package's nodes in a process of its own, and end it at the end."""
-    command = [sys.executable, '-m', 'booster_ros', name, '--ros-args']
-    for parameter, value in parameters.items():
-        command += ['-p', f'{parameter}:={value}']
-    process = subprocess.Popen(command, env=environment, stdout=sink, stderr=sink)
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
-        try:
-            process.wait(PATIENCE)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-
-
-def ended(process: subprocess.Popen[bytes]) -> int:
-    """
-    Return the exit status of a process once it has ended.
-
-    KeyboardInterrupt comes out even where the signal was delivered to a thread of a library: that
-    does not wake a wait without end.
-    """
-    with kept_interruption() as check:
-        while True:
-            try:
-                return process.wait(GLANCE)
-            except subprocess.TimeoutExpired:
-                check()
 
 
 def report(record: Record, plot: Path) -> None:
