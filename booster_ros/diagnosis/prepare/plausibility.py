@@ -14,7 +14,7 @@ import numpy as np
 from booster_ros.diagnosis.data.experiment import UNITS, Experiment
 from booster_ros.diagnosis.estimation.parametrisation import BENCH, get
 from booster_ros.diagnosis.prepare.fit_metrics import (
-    FOLLOWS, alike, miss, sizes_of, stem_alone)
+    FOLLOWS, alike, is_otherwise, stem_alone)
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -43,10 +43,8 @@ never changes is that of a sensor, or a valve, that sticks fast."""
 SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'minutes': 60.0,
            'hours': 3600.0, 'days': 86400.0}
 USUAL_STEP = (1e-3, 1.0)
-CLEARLY_BETTER = 0.5
-"""Usual distance of rows in seconds, below the second, and share of an error. Time is in another
-unit if rows are not so far apart, would be in that unit, and the declared model then leaves less
-than this share of its error."""
+"""Usual distance of rows in seconds, below the second. Time is in another unit if rows are not so
+far apart, would be in that unit, and the declared model then moves as measured."""
 
 SETTLED, FEW = 30.0, 400
 """Distance of rows, s, at which a valve has settled at each, and a number of such rows that tells
@@ -197,13 +195,10 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
     if USUAL_STEP[0] <= step < USUAL_STEP[1]:
         return
     as_given = _closer(experiment) if step > SETTLED else experiment
-    predicted = as_given.predict(declared)
-    sizes = sizes_of(as_given, predicted)
-    given = miss(as_given, predicted, sizes)
     for unit, seconds in SECONDS.items():
         other = replace(experiment, time=seconds * experiment.time)
         suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
-        if suits and miss(other, other.predict(declared), sizes) < CLEARLY_BETTER * given:
+        if suits and is_otherwise(as_given, other, declared):
             raise RecordError(
                 f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
                 f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
