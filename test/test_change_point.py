@@ -14,6 +14,7 @@ import pytest
 
 from booster_ros.diagnosis.judging import change_point
 from booster_ros.diagnosis.judging.change_point import since_change
+from booster_ros.diagnosis.pipeline import diagnose
 from booster_ros.report.wording import verdict_sentences, verdict_title
 
 SECONDS = 60.0
@@ -39,7 +40,7 @@ def knocked(by, at):
 
 def diagnosed(columns):
     """Return the diagnosis from the change on, after one of the whole that added nothing."""
-    return since_change(diagnosis_of(columns, 'none'), record_of(columns))
+    return since_change(diagnosis_of(columns, 'none'), record_of(columns), diagnose)
 
 
 def meets(found):
@@ -100,7 +101,7 @@ def test_no_parameter_has_changed_where_what_came_after_is_met_as_before(monkeyp
     after = {name: values[clean['time'] >= AT] for name, values in clean.items()}
     later = diagnosis_of(after, 'none')
     monkeypatch.setattr(change_point, '_later', lambda *_: later)
-    found = since_change(diagnosis_of(columns, 'none'), record_of(columns))
+    found = since_change(diagnosis_of(columns, 'none'), record_of(columns), diagnose)
     assert found.change.cut
     assert found.change.moved == ()
     assert found.verdict == 'none'
@@ -111,7 +112,7 @@ def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():
     whole = diagnosis_of(columns, 'none')
     open_yet = replace(whole, held_out={name: replace(error, left_open=9.0, unforeseen=1.0)
                                         for name, error in whole.held_out.items()})
-    found = since_change(open_yet, record_of(columns))
+    found = since_change(open_yet, record_of(columns), diagnose)
     # a refit to the rows after the change as well has not met them
     assert not any(error.foreseen for error in found.held_out.values() if not error.met)
     assert found.change.time == pytest.approx(50.0, abs=0.3)
@@ -127,7 +128,7 @@ def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():
 def test_a_valve_that_stayed_what_it_was_did_not_change(hidden):
     columns = columns_of(*hidden)
     whole = diagnosis_of(columns, 'none')
-    assert since_change(whole, record_of(columns)) is whole
+    assert since_change(whole, record_of(columns), diagnose) is whole
 
 
 def leaving(diagnosis, times):
@@ -142,7 +143,7 @@ def test_a_diagnosis_of_the_rest_has_to_leave_half_and_may_still_leave_something
     columns = knocked(3e-4, AT)
     whole = leaving(diagnosis_of(columns, 'none'), 4.0)  # squares: half of 16 is 8
     monkeypatch.setattr(change_point, '_later', lambda *_: leaving(whole, times))
-    found = since_change(whole, record_of(columns))
+    found = since_change(whole, record_of(columns), diagnose)
     assert found.change.cut is cut
     assert found.change.time == pytest.approx(AT, abs=0.3)
     assert found.change.moved == ()  # more than noise is left: no declared parameter is all

@@ -102,7 +102,7 @@ def test_false_adds_are_counted_with_their_exact_interval():
         assert declared is diagnosis.declared
         return friction if len(seen) == 3 else diagnosis
 
-    found = calibrated(diagnosis, 20, 1, lambda *said: told.append(said), judge).false_add
+    found = calibrated(diagnosis, 20, 1, judge, lambda *said: told.append(said)).false_add
     assert len(seen) == 20
     assert (found.runs, found.gained, found.rate) == (20, 1, 0.05)
     assert found.names == {'stem_friction': 1}
@@ -117,7 +117,7 @@ def test_false_adds_are_counted_with_their_exact_interval():
 def test_the_report_holds_the_rate_and_says_it_in_a_sentence():
     diagnosis, friction = nothing_found(), friction_found()
     verdicts = iter([friction, diagnosis, diagnosis, diagnosis])
-    diagnosis = calibrated(diagnosis, 4, 1, None, lambda *_: next(verdicts))
+    diagnosis = calibrated(diagnosis, 4, 1, lambda *_: next(verdicts))
     report = report_values(diagnosis, Provenance('plant.csv', 'declared.yaml'))['false_add']
     assert (report['runs'], report['gained'], report['rate']) == (4, 1, 0.25)
     assert report['names'] == {'stem_friction': 1}
@@ -134,7 +134,7 @@ def test_without_calibration_nothing_is_said_of_it():
 
 def test_a_calibration_without_runs_is_refused():
     with pytest.raises(ValueError, match='at least one'):
-        calibrated(nothing_found(), 0, 1)
+        calibrated(nothing_found(), 0, 1, lambda *_: nothing_found())
 
 
 def test_the_command_calibrates_on_a_short_clean_record(tmp_path, capsys):

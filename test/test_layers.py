@@ -45,7 +45,7 @@ MAY_IMPORT = {
 """For each folder the others that it may import, with all that lies in them."""
 
 BESIDE_THE_RULE = {
-    # whole diagnoses are run again, and results are data that both have
+    # results are data that both have
     'diagnosis/judging/change_point.py': 'diagnosis',
     'diagnosis/judging/false_positive_rate.py': 'diagnosis',
     'diagnosis/judging/prediction_uncertainty.py': 'diagnosis',

@@ -3,7 +3,6 @@
 """What a record leaves open of its model, and what that does to what the model predicts."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 from made_task import (
     P, RAMPS, RAMPS_TIME, START_PRESSURE, STEPS, everywhere, seen, steps_seen)
@@ -27,7 +26,7 @@ LARGE = np.array([4.6, 3.4, 4.4, 3.5, 4.6, 3.4])
 
 def made(models, one_off=None, observation=ROWS):
     """Return models that are not asked which of them meets what is missed."""
-    return Alike(models, one_off or {}, SimpleNamespace(observation=observation), None)
+    return Alike(models, one_off or {}, P, (), np.empty(0), seen(P), np.empty(0), observation.name)
 
 
 def errors(experiment, run):

@@ -2,29 +2,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """What preparing says of channels that were stored by exception, or go where the valve cannot."""
 
-from dataclasses import dataclass, field
+from dataclasses import replace
 
 from made_diagnosis import DECLARED
+from made_record import record_of, step_test
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.prepare.reach import out_of_reach
-from booster_ros.diagnosis.prepare.stored_by_exception import with_limits_of_storing
-
-
-@dataclass(frozen=True)
-class WithNoise:
-    """What an experiment has that is looked at here."""
-
-    noise: dict[str, float] = field(default_factory=dict)
+from booster_ros.diagnosis.prepare.plausibility import out_of_reach
+from booster_ros.diagnosis.prepare.preparation import prepare
 
 
 def test_held_values_show_no_noise_but_are_known_to_their_limit_alone():
-    told = with_limits_of_storing(
-        WithNoise({'chamber_pressure': 5.0, 'valve_position': 1e-5}),
-        {'chamber_pressure': 300.0, 'valve_position': 1e-7, 'control_current': 1e-5})
+    record = record_of(**step_test())
+    seen = prepare(record, DECLARED)
+    told = prepare(replace(record, held={
+        'chamber_pressure': 600.0, 'valve_position': 1e-7, 'control_current': 1e-5}), DECLARED)
     assert told.noise == {
-        'chamber_pressure': pytest.approx(300.0 / np.sqrt(3.0)), 'valve_position': 1e-5}
+        'chamber_pressure': pytest.approx(600.0 / np.sqrt(3.0)),
+        'valve_position': seen.noise['valve_position']}
 
 
 @pytest.mark.parametrize(('name', 'share', 'said'), [

@@ -9,8 +9,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.data.blocks import Segment
-from booster_ros.diagnosis.estimation.fit import Fit
-from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
@@ -174,13 +173,18 @@ class Alike:
     Models, each with its start, that suit a record as well as the one that was found.
 
     `one_off` are, by the name of a parameter, the model found with this parameter off to either
-    side and all others as they are. `problem` and `fit` are those of the model found.
+    side and all others as they are. The model found is `base` with the values `z` of what was
+    free, fitted to the marked rows of the experiment, as `observation` compares the two.
     """
 
     models: tuple[tuple[PositionerParameters, Initial], ...]
     one_off: Mapping[str, tuple[tuple[PositionerParameters, Initial], ...]]
-    problem: Problem = field(repr=False)
-    fit: Fit = field(repr=False)
+    base: PositionerParameters
+    freedoms: tuple[Free, ...]
+    z: Array
+    experiment: Experiment = field(repr=False)
+    rows: Array = field(repr=False)
+    observation: str
 
 
 def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array

@@ -99,14 +99,14 @@ def _close_loop(options: argparse.Namespace, check: Callable[[], None]) -> Diagn
                 diagnosis = judge(experiment, declared, tell, notes=notes)
             except RecordError as error:
                 raise RecordError(f'{options.record}: {error}') from None
-            diagnosis = since_change(diagnosis, record, tell, judge)
+            diagnosis = since_change(diagnosis, record, judge, tell)
             for _, other, more in others:
                 diagnosis = validated(diagnosis, other, more)
         if options.calibrate:
             with _progress(check) as tell:
                 diagnosis = calibrated(
                     diagnosis, options.calibrate,
-                    SEED if options.seed is None else options.seed, tell, judge)
+                    SEED if options.seed is None else options.seed, judge, tell)
         _write(folder, diagnosis, Provenance(*map(
             legible, (options.record, options.params, options.validation or ''))), given.node)
         check()

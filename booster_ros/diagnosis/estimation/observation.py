@@ -28,6 +28,10 @@ class Observation(Protocol):
     """What of the readings counts; `visible` is the change of it that shows above its roughness."""
 
     @property
+    def name(self) -> str:
+        """What plain data call it by."""
+
+    @property
     def visible(self) -> float:
         """The change of the residuals (norm) that a difference has to make."""
 
@@ -46,6 +50,7 @@ class Observation(Protocol):
 class _Rows:
     """Every reading counts by itself."""
 
+    name: str = 'rows'
     visible: float = 1.0
 
     def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:
@@ -59,6 +64,7 @@ class _Rows:
 class _WindowStatistics:
     """Means and logarithms of variances of windows count."""
 
+    name: str = 'windows'
     visible: float = 100.0
 
     def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:

@@ -23,7 +23,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.pipeline import Progress, diagnose
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
@@ -33,6 +32,7 @@ from booster_ros.diagnosis.estimation.parametrisation import label
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.result import Change, ChannelError, Diagnosis, FoundEffect, Moved
 from booster_ros.diagnosis.selection.decide import NOISE
+from booster_ros.diagnosis.selection.stepwise import Progress
 from booster_ros.diagnosis.selection.task import THINNING, thinned
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
@@ -64,8 +64,8 @@ change tell.
 
 
 def since_change(
-    diagnosis: Diagnosis, record: Record, progress: Progress | None = None,
-    judge: Callable[..., Diagnosis] = diagnose,
+    diagnosis: Diagnosis, record: Record, judge: Callable[..., Diagnosis],
+    progress: Progress | None = None,
 ) -> Diagnosis:
     """
     Return the diagnosis of the record from where the valve changed, the given one if it did not.

@@ -15,7 +15,6 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import binomtest
 
-from booster_ros.diagnosis.pipeline import Progress, diagnose
 from booster_ros.signals.stationary_segments import calm_pieces
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.signals.noise_autocorrelation import noise_of
@@ -23,6 +22,7 @@ from booster_ros.diagnosis.prepare.timestamp_jitter import (
     AS_OFTEN, commands_may_be_late, with_late_commands)
 from booster_ros.diagnosis.prepare.start_state import first_value
 from booster_ros.diagnosis.result import Diagnosis, FalseAdd
+from booster_ros.diagnosis.selection.stepwise import Progress
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -31,8 +31,8 @@ Diagnose = Callable[[Experiment, PositionerParameters, Progress], Diagnosis]
 
 
 def calibrated(
-    diagnosis: Diagnosis, runs: int, seed: int, progress: Progress | None = None,
-    judge: Diagnose = diagnose,
+    diagnosis: Diagnosis, runs: int, seed: int, judge: Diagnose,
+    progress: Progress | None = None,
 ) -> Diagnosis:
     """
     Return the diagnosis with its false-add rate, counted over `runs` simulated records.

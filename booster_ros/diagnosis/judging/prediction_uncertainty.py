@@ -71,7 +71,8 @@ def models_alike(last: FinalFit) -> Alike | None:
     if len(found) < FEWEST:
         return None
     return Alike(tuple(_model(problem, z) for z in found),
-                 dict(_one_off(problem, fit, np.array(found))), problem, fit)
+                 dict(_one_off(problem, fit, np.array(found))), problem.base, problem.freedoms,
+                 fit.z, problem.experiment, problem.rows, problem.observation.name)
 
 
 def with_left_open(
@@ -102,7 +103,7 @@ def with_left_open(
              } if much else {}
     beyond = {name: errors[name].after for name in counted}
     found: dict[str, float] = {}
-    if models.problem.observation is WINDOWS:
+    if models.observation == WINDOWS.name:
         beyond = _beyond_size(errors, total)
     elif much and not all(errors[name].met for name in counted):
         nearer, found = _beyond_reach(models, experiment, rows, start is None)
@@ -139,14 +140,14 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
     Where the rows are of the `same` experiment, their start is sought from the one that was
     fitted.
     """
-    first, fit = models.problem, models.fit
-    shared, own = len(first.freedoms), len(fit.z)
+    first, z = Problem(models.experiment, models.rows, models.base, models.freedoms), models.z
+    shared, own = len(first.freedoms), len(z)
     # what was expected of the parameters counts once, in the first problem
     other = replace(first, experiment=experiment, rows=rows, freedoms=tuple(
         replace(free, sigma=np.inf) for free in first.freedoms))
-    begin = np.append(fit.z, fit.z[shared:] if same else np.zeros(other.nuisances))
+    begin = np.append(z, z[shared:] if same else np.zeros(other.nuisances))
     of_other = np.r_[0:shared, own:len(begin)]
-    many = len(first.residuals(fit.z))
+    many = len(first.residuals(z))
 
     def residuals(z: Array) -> Array:
         return np.append(first.residuals(z[:own]), other.residuals(z[of_other]))
@@ -161,13 +162,14 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
 
     low, high = (np.append(one, another[shared:])
                  for one, another in zip(first.bounds(), other.bounds()))
-    z = descend(residuals, jacobian, np.clip(begin, low, high), low, high, LAST_EVALUATIONS).z
-    if first.cost(z[:own]) > first.cost(fit.z) + AS_WELL * own:
+    both = descend(
+        residuals, jacobian, np.clip(begin, low, high), low, high, LAST_EVALUATIONS).z
+    if first.cost(both[:own]) > first.cost(z) + AS_WELL * own:
         return {}, {}
-    predicted = other.predict(z[of_other]) or {}
+    predicted = other.predict(both[of_other]) or {}
     return ({name: rmse(experiment.measured[name], values, rows)
              for name, values in predicted.items()},
-            {label(free): float(free.value(one)) for free, one in zip(first.freedoms, z)})
+            {label(free): float(free.value(one)) for free, one in zip(first.freedoms, both)})
 
 
 def _suiting(last: FinalFit) -> list[Array]:

@@ -13,12 +13,13 @@ from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
-FOLLOWS = 0.9
+FOLLOWS = 0.8
 """Correlation from which on a channel moves as the declared model does."""
 
 EXPLAINED = 0.3
 """Share of the declared model's error that is left where the record is taken otherwise (in absolute
-pressure, with a reversed current), below which it is to be taken so: a tenth of its square."""
+pressure, in another unit of time, with a reversed current), below which it is to be taken so: a
+tenth of its square."""
 
 SMALLEST = 1e-12
 
@@ -52,6 +53,14 @@ def sizes_of(experiment: Experiment, predicted: Mapping[str, Array]) -> dict[str
     # a dead sensor does next to nothing, as a share of which its error would outweigh all else
     return {name: max(float(np.nanstd(measured)), float(np.std(predicted[name])), SMALLEST)
             for name, measured in experiment.measured.items()}
+
+
+def is_otherwise(recorded: Experiment, taken: Experiment, declared: PositionerParameters) -> bool:
+    """Tell whether the declared model misses a record far less if it is taken otherwise."""
+    predicted = recorded.predict(declared)
+    sizes = sizes_of(recorded, predicted)
+    return miss(taken, taken.predict(declared), sizes) < EXPLAINED * miss(
+        recorded, predicted, sizes)
 
 
 def miss(experiment: Experiment, predicted: Mapping[str, Array], sizes: Mapping[str, float]

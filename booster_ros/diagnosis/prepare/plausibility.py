@@ -14,7 +14,7 @@ import numpy as np
 from booster_ros.diagnosis.data.experiment import UNITS, Experiment
 from booster_ros.diagnosis.estimation.parametrisation import BENCH, get
 from booster_ros.diagnosis.prepare.fit_metrics import (
-    FOLLOWS, alike, miss, sizes_of, stem_alone)
+    FOLLOWS, alike, is_otherwise, stem_alone)
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -25,14 +25,16 @@ Array = np.ndarray
 DRIVES = {'control_current', 'back_pressure', 'chamber_pressure'}
 """What can move the valve: a supply alone does not."""
 
-MOST = 0.99
-BEYOND_TRAVEL = 2.0
-"""Quantile of the magnitude of a position, and multiple of the declared travel beyond which this
-quantile shows that the position is that of another valve."""
+REACHED = 0.99
+"""Quantile of the values of a channel that counts as reached."""
 
-BEYOND_SUPPLY = 2.0
-"""Multiple of the pressure of the supply: a current is none for the declared converter if even its
-smallest value asks for more."""
+BEYOND = 0.05
+"""Share of the travel, or of the supply, by which a channel goes beyond what the declared valve
+can: said before a search, as it will not help."""
+
+OF_ANOTHER = 2.0
+"""Multiple of the travel that a position reaches, or of the supply that even the smallest current
+asks for, above which it is that of another valve."""
 
 STUCK = 0.05
 """Share of the travel, or of the supply: where the declared model moves by more, a reading that
@@ -41,10 +43,8 @@ never changes is that of a sensor, or a valve, that sticks fast."""
 SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'minutes': 60.0,
            'hours': 3600.0, 'days': 86400.0}
 USUAL_STEP = (1e-3, 1.0)
-CLEARLY_BETTER = 0.5
-"""Usual distance of rows in seconds, below the second, and share of an error. Time is in another
-unit if rows are not so far apart, would be in that unit, and the declared model then leaves less
-than this share of its error."""
+"""Usual distance of rows in seconds, below the second. Time is in another unit if rows are not so
+far apart, would be in that unit, and the declared model then moves as measured."""
 
 SETTLED, FEW = 30.0, 400
 """Distance of rows, s, at which a valve has settled at each, and a number of such rows that tells
@@ -66,8 +66,8 @@ def check_scales(
     """Raise RecordError where position or current cannot be of the declared valve."""
     position = columns.get('valve_position')
     if position is not None and np.isfinite(position).any():
-        reached = float(np.nanquantile(np.abs(position), MOST))
-        if reached > BEYOND_TRAVEL * declared.actuator.travel:
+        reached = float(np.nanquantile(np.abs(position), REACHED))
+        if reached > OF_ANOTHER * declared.actuator.travel:
             raise RecordError(
                 f'{source}, column valve_position: reaches {reached:.4g} m where the declared '
                 f'travel is {declared.actuator.travel:.4g} m: convert the column to metres, or '
@@ -76,12 +76,33 @@ def check_scales(
     if current is not None and np.isfinite(current).any():
         least, most = (settled_back_pressure(declared.ep_converter, float(end), np.inf, 0.0, 0.0)
                        for end in (np.nanmin(current), np.nanmax(current)))
-        if least > BEYOND_SUPPLY * declared.supply.pressure:
+        if least > OF_ANOTHER * declared.supply.pressure:
             raise RecordError(
                 f'{source}, column control_current: asks the declared E/P converter for '
                 f'{least:.3g} to {most:.3g} Pa in every row, the supply has '
                 f'{declared.supply.pressure:.3g}: it is the current of another converter, or '
                 'ep_converter.gain and ep_converter.offset are')
+
+
+def out_of_reach(
+    columns: Mapping[str, Array], declared: PositionerParameters
+) -> tuple[str, ...]:
+    """Return a sentence for each channel, SI units, that reaches what the declared valve cannot."""
+    notes = []
+    supply, travel = declared.supply.pressure, declared.actuator.travel
+    for name, unit, full, what in (
+            ('chamber_pressure', 'Pa', supply, 'supply'), ('back_pressure', 'Pa', supply, 'supply'),
+            ('valve_position', 'm', travel, 'travel')):
+        values = columns.get(name, np.empty(0))
+        values = values[np.isfinite(values)]
+        if not values.size or full <= 0.0:
+            continue
+        low, high = np.quantile(values, [1.0 - REACHED, REACHED])
+        below = name == 'valve_position' and low < -BEYOND * full
+        if below or high > (1.0 + BEYOND) * full:
+            notes.append(f'{name} goes from {low:.4g} to {high:.4g} {unit}, beyond the declared '
+                         f'{what} of {full:.4g} {unit}: the declared valve cannot')
+    return tuple(notes)
 
 
 def check_bench(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
@@ -174,13 +195,10 @@ def check_clock(experiment: Experiment, declared: PositionerParameters, source: 
     if USUAL_STEP[0] <= step < USUAL_STEP[1]:
         return
     as_given = _closer(experiment) if step > SETTLED else experiment
-    predicted = as_given.predict(declared)
-    sizes = sizes_of(as_given, predicted)
-    given = miss(as_given, predicted, sizes)
     for unit, seconds in SECONDS.items():
         other = replace(experiment, time=seconds * experiment.time)
         suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
-        if suits and miss(other, other.predict(declared), sizes) < CLEARLY_BETTER * given:
+        if suits and is_otherwise(as_given, other, declared):
             raise RecordError(
                 f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
                 f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '

@@ -4,6 +4,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -17,15 +18,14 @@ from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.prepare.timestamp_jitter import (
     commands_may_be_late, with_noise_of_timing)
 from booster_ros.diagnosis.prepare.plausibility import (
-    check_bench, check_clock, check_direction, check_drive, stands_still, without_stuck)
+    check_bench, check_clock, check_direction, check_drive, out_of_reach, stands_still,
+    without_stuck)
 from booster_ros.diagnosis.prepare.pressures import check_pressures
-from booster_ros.diagnosis.prepare.reach import out_of_reach
 from booster_ros.diagnosis.prepare.reversed_current import check_current
 from booster_ros.diagnosis.prepare.rows import (
     FEWEST_ROWS, Rows, aligned, between_samples)
 from booster_ros.diagnosis.prepare.sampled_commands import with_sampled_commands
 from booster_ros.diagnosis.prepare.start_state import start_state, with_start_of_converter
-from booster_ros.diagnosis.prepare.stored_by_exception import with_limits_of_storing
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import bridged, last_known
@@ -54,9 +54,12 @@ def prepare(
     seconds each. RecordError where nothing can be compared, or values cannot be of this valve.
     """
     rows = aligned(record, declared, dwell)
-    experiment = with_limits_of_storing(_experiment(rows, declared), record.held)
+    experiment = _experiment(rows, declared)
     experiment = replace(
-        experiment, notes=(*out_of_reach(rows.columns, declared), *experiment.notes))
+        experiment, notes=(*out_of_reach(rows.columns, declared), *experiment.notes),
+        # held values show no noise, and the channel was anywhere within the limit of storing
+        noise={name: max(level, record.held.get(name, 0.0) / sqrt(3.0))
+               for name, level in experiment.noise.items()})
     if not rows.quasi_static:
         experiment = _without_gaps(experiment, rows, declared)
     experiment = _checked(experiment, declared, rows.source)

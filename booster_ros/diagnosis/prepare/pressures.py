@@ -7,15 +7,15 @@ Fitted all the same, they come out as an effect: a chamber recorded in absolute 
 as a process that pushes on the plug, a supply as a dead band.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import replace
 import itertools
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment, rmse
+from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.prepare.fit_metrics import (
-    EXPLAINED, SMALLEST, alike, follows, miss, sizes_of, stem_alone)
+    FOLLOWS, SMALLEST, alike, follows, is_otherwise, stem_alone)
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -42,11 +42,11 @@ FILLED_BEYOND = 0.05
 """Share of the declared supply by which a chamber may rise above the largest pressure of the
 recorded one: a sensor that is off. Trapped air may be above any supply, but it does not rise."""
 
-FAR_TOO_SMALL, ALIKE = 0.05, 0.8
+FAR_TOO_SMALL = 0.05
 HUNDRED = 100.0
 """
-Share of a size, correlation, and factor from mbar to Pa. A pressure is in another unit if it goes
-with that of the declared model, by this correlation, at less than this share of its size: in mbar
+Share of a size, and factor from mbar to Pa. A pressure is in another unit if it follows that of
+the declared model at less than this share of its size: in mbar
 it is a hundredth, and no effect leaves so little of it. A pressure that drives the model is in
 another unit if it is as small beside the declared supply, and the model follows the record only
 with this pressure taken as mbar.
@@ -59,7 +59,7 @@ def check_pressures(
     """Raise RecordError where a pressure is in another unit, or absolute, or none of this valve."""
     _check_unit_of_drives(experiment, declared, source)
     predicted = experiment.predict(declared)
-    _check_gauge_of_drives(experiment, declared, predicted, source)
+    _check_gauge_of_drives(experiment, declared, source)
     for name in ('back_pressure', 'chamber_pressure'):
         if name in predicted:
             _check_unit(name, experiment.measured[name], predicted[name], source)
@@ -67,7 +67,9 @@ def check_pressures(
     if 'chamber_pressure' in predicted:
         _check_chamber_far_above(experiment, declared, predicted['chamber_pressure'], source)
     elif 'chamber_pressure' in experiment.pinned and 'valve_position' in predicted:
-        _check_drive_of_stem(experiment, declared, source)
+        alone = replace(experiment, measured={
+            'valve_position': experiment.measured['valve_position']})
+        _check_drive_of_stem(alone, declared, source)
     _check_supply(experiment, declared, source)
 
 
@@ -92,7 +94,7 @@ def _check_supply(
 def _check_unit(name: str, measured: Array, predicted: Array, source: str) -> None:
     likeness = alike(measured, predicted)
     share = likeness * float(np.nanstd(measured) / max(np.nanstd(predicted), SMALLEST))
-    if likeness > ALIKE and share < FAR_TOO_SMALL:
+    if likeness > FOLLOWS and share < FAR_TOO_SMALL:
         raise RecordError(
             f'{source}, column {name}: moves as the declared model does, at {share:.2g} of its '
             'size: convert the column to Pa, gauge (from mbar: times 100)')
@@ -115,18 +117,12 @@ def _check_unit_of_drives(
 
 
 def _check_gauge_of_drives(
-    experiment: Experiment, declared: PositionerParameters, predicted: Mapping[str, Array],
-    source: str
+    experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
     high = [name for name in ('supply_pressure', 'back_pressure')
             if name in experiment.pinned and np.min(experiment.pinned[name]) > LEAST_ABSOLUTE]
-    if not high:
-        return
-    sizes = sizes_of(experiment, predicted)
-    given = miss(experiment, predicted, sizes)
     for names in itertools.chain(*(itertools.combinations(high, n) for n in (1, 2))):
-        less = _with_an_atmosphere_less(experiment, names)
-        if miss(less, less.predict(declared), sizes) < EXPLAINED * given:
+        if is_otherwise(experiment, _with_an_atmosphere_less(experiment, names), declared):
             raise RecordError(
                 f'{source}, column {" and ".join(names)}: the declared model moves as measured '
                 'with an atmosphere less, which looks like absolute pressure: subtract that of '
@@ -164,14 +160,10 @@ def _check_drive_of_stem(
     experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
     pressure = experiment.pinned['chamber_pressure']
-    position = experiment.measured['valve_position']
     if np.min(pressure) < LEAST_ABSOLUTE:
         return
     less = _with_an_atmosphere_less(experiment, ['chamber_pressure'])
-    every = np.ones(len(position), dtype=bool)
-    given, lowered = (rmse(position, one.predict(declared)['valve_position'], every)
-                      for one in (experiment, less))
-    if lowered < EXPLAINED * given:
+    if is_otherwise(experiment, less, declared):
         raise RecordError(
             f'{source}, column chamber_pressure: is never below {np.min(pressure):.4g} Pa, and the '
             'declared stem moves as measured with an atmosphere less, which looks like absolute '
