@@ -21,6 +21,7 @@ from ..campaign.running import is_done, run_case, run_cases
 from ..campaign.scoring import Outcome
 from ..campaign.table import SET_HEAD, line_of, markdown, set_rows
 from .interruption import kept_interruption
+from .number_arguments import count_of, seconds
 from .path_argument import given_path
 
 TIMEOUT = 1200.0
@@ -142,11 +143,11 @@ def _parser() -> argparse.ArgumentParser:
     add('sets', nargs='+', type=given_path, metavar='SET',
         help='folder with CASE.yaml, CASE_fit.csv, CASE_val.csv and key.json')
     add('--out', type=given_path, required=True, metavar='DIR', help='folder of the campaign')
-    add('--jobs', type=_count, default=2, metavar='N', help='runs at a time (default: 2)')
+    add('--jobs', type=count_of('runs'), default=2, metavar='N', help='runs at a time (default: 2)')
     add('--quick', action='store_true', help='60 cases at the most, spread evenly over all')
     add('--case', nargs='+', default=[], metavar='PATTERN',
         help="only cases of such names, e.g. '*friction*'")
-    add('--timeout', type=_seconds, default=TIMEOUT, metavar='S',
+    add('--timeout', type=seconds, default=TIMEOUT, metavar='S',
         help='what takes longer counts as no answer, s (default: %(default)g)')
     add('--program', default='', metavar='"PYTHON -m booster_ros"',
         help='the program to judge (default: this one)')
@@ -161,22 +162,6 @@ def _parser() -> argparse.ArgumentParser:
     compare.add_argument('--out', type=given_path, metavar='FILE', help='write the text there too')
     compare.set_defaults(run=_compare)
     return parser
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f'{text!r} is not a number of runs')
-    return int(text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not 0.0 < seconds < float('inf'):
-        raise argparse.ArgumentTypeError(f'{text!r} is not a time in seconds')
-    return seconds
 
 
 if __name__ == '__main__':

@@ -44,6 +44,7 @@ from .compiling import announce_compilation
 from .interruption import ignore_interruptions, kept_interruption
 from .mapping_options import (
     add_mapping_options, mapping_for, pointing_to_inspect)
+from .number_arguments import count_of, seconds
 from .path_argument import given_path
 from .progress_bar import ProgressBar
 from .telling import complain
@@ -139,10 +140,10 @@ def _parser() -> argparse.ArgumentParser:
     add('--stamps', choices=('bag', 'header'), default='bag',
         help='time of a bag: when it was recorded, or the stamps in the messages '
         '(default: %(default)s)')
-    add('--dwell', type=_seconds, metavar='S',
+    add('--dwell', type=seconds, metavar='S',
         help='how long each row of a sweep without time stood, s (default: '
         f'{DWELL_FILLED:g}, where the chamber pressure drives {DWELL_PINNED:g})')
-    add('--calibrate', type=_count, metavar='N',
+    add('--calibrate', type=count_of('records'), metavar='N',
         help='also count how often something is added to N simulated records in which nothing is '
         'missing; each takes as long as a diagnosis')
     among = parser.add_mutually_exclusive_group().add_argument
@@ -161,26 +162,10 @@ def _topic(text: str) -> tuple[str, str]:
     return column, topic
 
 
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f'{text!r} is not a number of records')
-    return int(text)
-
-
 def _seed(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f'{text!r} is not a whole number from 0 on')
     return int(text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not 0.0 < seconds < float('inf'):
-        raise argparse.ArgumentTypeError(f'{text!r} is not a time in seconds')
-    return seconds
 
 
 def _records(options: argparse.Namespace, declared: PositionerParameters) -> list[Record]:

@@ -18,6 +18,7 @@ from ..fleet.manifest import FleetError, Valve, read_manifest
 from ..fleet.outcome import ANSWERED, NAME, REFUSED, Outcome, line_of, read_outcomes
 from ..fleet.work import REPORTS, Order
 from .interruption import kept_interruption
+from .number_arguments import count_of, seconds
 from .path_argument import given_path
 
 TIMEOUT = 3600.0
@@ -129,22 +130,16 @@ def _parser() -> argparse.ArgumentParser:
         help='folder for fleet.html, fleet.csv, fleet.parquet and a report for each valve')
     add('--scheduler', default='', metavar='tcp://HOST:8786',
         help='a Dask scheduler that runs already (default: processes of this machine)')
-    add('--jobs', type=_count, default=os.cpu_count() or 1, metavar='N',
+    add('--jobs', type=count_of('processes'), default=os.cpu_count() or 1, metavar='N',
         help='processes of this machine, where no scheduler is given (default: its cores)')
     add('--fdr', type=_share, default=RATE, metavar='Q',
         help='false-discovery rate over all valves (default: %(default)g)')
-    add('--timeout', type=_seconds, default=TIMEOUT, metavar='S',
+    add('--timeout', type=seconds, default=TIMEOUT, metavar='S',
         help='what takes longer counts as no answer, s (default: %(default)g)')
     among = parser.add_mutually_exclusive_group().add_argument
     among('--only', nargs='+', default=[], metavar='EFFECT', help='as of close_loop')
     among('--without', nargs='+', default=[], metavar='EFFECT', help='as of close_loop')
     return parser
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f'{text!r} is not a number of processes')
-    return int(text)
 
 
 def _share(text: str) -> float:
@@ -155,16 +150,6 @@ def _share(text: str) -> float:
     if not 0.0 < share < 1.0:
         raise argparse.ArgumentTypeError(f'{text!r} is not a share between 0 and 1')
     return share
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not 0.0 < seconds < float('inf'):
-        raise argparse.ArgumentTypeError(f'{text!r} is not a time in seconds')
-    return seconds
 
 
 if __name__ == '__main__':
