@@ -8,7 +8,8 @@ import signal
 from fuzz.__main__ import TARGETS, hang, run
 import pytest
 
-INPUTS = {'bag': 100, 'csv': 100, 'parameter_file': 100, 'plant': 300, 'preparing': 40}
+INPUTS = {'bag': 100, 'csv': 100, 'mapped': 100, 'mapping_file': 100, 'parameter_file': 100,
+          'plant': 300, 'preparing': 40}
 
 
 @pytest.mark.parametrize('target', TARGETS)

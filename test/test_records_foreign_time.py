@@ -166,3 +166,10 @@ def test_an_interval_in_the_preamble_is_the_time(tmp_path):
     text += [f'{k}\t{k / 10}' for k in range(50)]
     record = mapped(write(tmp_path, text))
     np.testing.assert_allclose(record['time'], 0.02 * np.arange(50))
+
+
+def test_a_year_that_no_clock_shows_is_refused(tmp_path):
+    times = moments(datetime(2024, 5, 1), '%Y-%m-%d %H:%M:%S')
+    times[10] = times[10].replace('2024', '2524')
+    with pytest.raises(RecordError, match=r"row 12: the time '2524-.* is not within the years"):
+        mapped(write(tmp_path, with_times(times)))

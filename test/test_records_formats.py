@@ -5,11 +5,14 @@
 import bz2
 from datetime import datetime, timedelta
 import gzip
+import io
 import json
 import lzma
+import zipfile
 
 from made_foreign import given, lines, mapped, mapping_in, rows, write
 import numpy as np
+import pandas as pd
 import pytest
 
 from booster_ros.records import RecordError, read_record
@@ -216,3 +219,41 @@ def test_what_is_no_table_is_told(tmp_path, content, says):
     path = write(tmp_path, content)
     with pytest.raises(RecordError, match=says):
         mapping_in(path)
+
+
+def test_a_compressed_file_that_is_damaged_within_is_refused(tmp_path):
+    packed = gzip.compress('\n'.join(lines()).encode())
+    for place in range(12, len(packed) - 8, 5):
+        damaged = bytearray(packed)
+        damaged[place] ^= 0x55
+        with pytest.raises(RecordError):
+            read_record(write(tmp_path, bytes(damaged), 'a.csv.gz'))
+
+
+def test_a_workbook_whose_rows_are_damaged_is_refused(tmp_path):
+    pytest.importorskip('openpyxl')
+    whole, broken = io.BytesIO(), io.BytesIO()
+    pd.DataFrame(dict(zip(NAMES, COLUMNS.values()))).to_excel(whole, index=False)
+    with zipfile.ZipFile(whole) as before, zipfile.ZipFile(broken, 'w') as after:
+        for name in before.namelist():
+            content = before.read(name)
+            after.writestr(name, content[:-300] if 'sheet1' in name else content)
+    with pytest.raises(RecordError, match=r'a\.xlsx: is no readable workbook'):
+        mapped(write(tmp_path, broken.getvalue(), 'a.xlsx'))
+
+
+def test_json_lines_of_another_encoding_are_asked_about(tmp_path):
+    text = '\n'.join(json.dumps(dict(zip(NAMES, row))) for row in rows())
+    path = write(tmp_path, text.encode() + b'\n{"note": "\x81"}\n', 'a.jsonl')
+    with pytest.raises(RecordError, match='is not .* throughout; say what it is in the mapping'):
+        mapped(path)
+
+
+def test_what_pandas_put_beside_a_table_may_be_damaged(tmp_path):
+    pyarrow = pytest.importorskip('pyarrow')
+    parquet = pytest.importorskip('pyarrow.parquet')
+    path = tmp_path / 'a.parquet'
+    table = pyarrow.Table.from_pandas(pd.DataFrame(dict(zip(NAMES, COLUMNS.values()))))
+    notes = table.schema.metadata[b'pandas'].replace(b'numpy_type', b'mumpy_type')
+    parquet.write_table(table.replace_schema_metadata({b'pandas': notes}), path)
+    check(mapped(path))

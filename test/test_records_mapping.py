@@ -276,3 +276,8 @@ def test_notes_tell_what_each_column_was_read_from(tmp_path):
     assert re.search(r"chamber_pressure: read from 'P act \(psi\)', converted from psi to Pa",
                      '\n'.join(record.notes))
     assert record['chamber_pressure'][1] == pytest.approx(6894.757293)
+
+
+def test_a_table_where_names_of_columns_stand_is_told(tmp_path):
+    with pytest.raises(RecordError, match=r'held: .* is not a column of a record'):
+        given(tmp_path, 'columns: {chamber_pressure: P}\nheld: [{a: 1}]')

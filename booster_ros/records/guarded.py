@@ -16,6 +16,7 @@ import lzma
 import os
 import stat
 from typing import Any, BinaryIO
+import zlib
 
 from booster_ros.records.record import RecordError
 
@@ -65,7 +66,7 @@ class GuardedStream(io.RawIOBase):
         """Read into a buffer, return the number of bytes."""
         try:
             block = self._stream.read(min(len(buffer), LONGEST_LINE))
-        except (OSError, EOFError, lzma.LZMAError, ValueError) as error:
+        except (OSError, EOFError, lzma.LZMAError, zlib.error, ValueError) as error:
             raise RecordError(f'{self._source}: cannot be read, {error}') from None
         end = max(block.rfind(b'\n'), block.rfind(b'\r'))
         self._since_line_end = (self._since_line_end if end < 0 else -end - 1) + len(block)

@@ -246,11 +246,11 @@ def _list(given: Item | Sequence[Item] | None) -> list[Item]:
 
 
 def _texts(given: object, where: str) -> tuple[str, ...]:
-    names = _list(given)
+    names = tuple(map(str, _list(given)))
     for name in names:
         if name not in COLUMNS and name not in FURTHER:
-            raise RecordError(f'{where}: {str(name)[:60]!r} is not a column of a record')
-    return tuple(map(str, names))
+            raise RecordError(f'{where}: {name[:60]!r} is not a column of a record')
+    return names
 
 
 def _name(given: object, where: str) -> Name:

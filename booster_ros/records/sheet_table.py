@@ -56,12 +56,18 @@ def _rows(source: str, sheet: str | None) -> Iterator[Sequence[Any]]:
     except ModuleNotFoundError:
         raise needs('openpyxl', source, 'reading an Excel workbook') from None
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # of styles and extensions
-            book = load_workbook(source, read_only=True, data_only=True)
+        yield from _cells(load_workbook, source, sheet)
+    except RecordError:
+        raise
     except Exception as error:  # openpyxl raises whatever the XML in a damaged file meets
         raise RecordError(f'{source}: is no readable workbook '
                           f'({" ".join(str(error).split())[:80]})') from None
+
+
+def _cells(load_workbook: Any, source: str, sheet: str | None) -> Iterator[Sequence[Any]]:
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')  # of styles and extensions
+        book = load_workbook(source, read_only=True, data_only=True)
     try:
         names = book.sheetnames
         if sheet is not None and sheet not in names:

@@ -116,8 +116,7 @@ def _read(
                 filled = frame.notna().any(axis=1).to_numpy()
                 yield Portion(frame.index.to_numpy()[filled], frame[filled])
         except UnicodeDecodeError as error:
-            raise RecordError(f'{source}: is not {error.encoding} throughout; say what it is in '
-                              'the mapping, as in file: {encoding: cp1252}') from None
+            raise _not_throughout(source, error) from None
         except pd.errors.EmptyDataError:
             return
         except pd.errors.ParserError as error:
@@ -206,13 +205,21 @@ def _json_frames(text: io.TextIOWrapper, source: str, size: int) -> Iterator[Any
     import pandas as pd
 
     row = 1
-    while lines := _some_lines(text, size):
-        if not ''.join(lines).strip():
-            return
+    while True:
         try:
+            lines = _some_lines(text, size)
+            if not ''.join(lines).strip():
+                return
             yield pd.read_json(io.StringIO(''.join(lines)), lines=True, dtype=False,
                                precise_float=True)
+        except UnicodeDecodeError as error:
+            raise _not_throughout(source, error) from None
         except ValueError as error:
             raise RecordError(f'{source}, row {row} or below: is not one JSON object a line '
                               f'({" ".join(str(error).split())[:80]})') from None
         row += len(lines)
+
+
+def _not_throughout(source: str, error: UnicodeDecodeError) -> RecordError:
+    return RecordError(f'{source}: is not {error.encoding} throughout; say what it is in the '
+                       'mapping, as in file: {encoding: cp1252}')

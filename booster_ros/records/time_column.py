@@ -39,7 +39,7 @@ class TimeColumn:
         if self._numeric:
             self._parts.append(self._numbers(values, rows))
         elif getattr(values.dtype, 'kind', 'O') == 'M':
-            self._parts.append(_nanoseconds(values))
+            self._parts.append(self._nanoseconds(values, values, rows))
         else:
             self._parts.append(self._texts(values, rows))
 
@@ -114,7 +114,22 @@ class TimeColumn:
         odd = np.flatnonzero((moments.isna() & text.notna() & (text != '')).to_numpy())
         if odd.size:
             raise self._odd(text.iloc[int(odd[0])], rows[odd[0]])
-        return _nanoseconds(moments)
+        return self._nanoseconds(moments, text, rows)
+
+    def _nanoseconds(self, moments: Any, shown: Any, rows: Array) -> Array:
+        """Return times as whole nanoseconds of a clock without a zone, the least for none."""
+        import pandas as pd
+
+        index = pd.DatetimeIndex(moments)
+        if index.tz is not None:
+            index = index.tz_convert('UTC').tz_localize(None)
+        years = index.year
+        far = np.flatnonzero((years < _YEARS[0]) | (years > _YEARS[1]))
+        if far.size:
+            raise RecordError(f'{self._where}, row {rows[far[0]]}: the time '
+                              f'{str(shown.iloc[int(far[0])])[:40]!r} is not within the years '
+                              f'{_YEARS[0]} to {_YEARS[1]}')
+        return np.asarray(index.as_unit('ns').asi8)
 
     def _found(self, text: Any) -> str:
         sample = list(text.dropna().iloc[:200])
@@ -135,15 +150,8 @@ class TimeColumn:
 
 _NOT_A_TIME = np.iinfo(np.int64).min
 
-
-def _nanoseconds(moments: Any) -> Array:
-    """Return times as whole nanoseconds of a clock without a zone, the least for none."""
-    import pandas as pd
-
-    index = pd.DatetimeIndex(moments)
-    if index.tz is not None:
-        index = index.tz_convert('UTC').tz_localize(None)
-    return np.asarray(index.as_unit('ns').asi8)
+_YEARS = (1680, 2260)
+"""First and last year whose nanoseconds from 1970 on fit into 64 bits."""
 
 
 def over_midnight(time: Array) -> Array:

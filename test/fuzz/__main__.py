@@ -18,11 +18,13 @@ import signal
 import sys
 import time
 
-from . import plant, preparing, readers
+from . import mapped, plant, preparing, readers
 
 TARGETS = {
     'bag': readers.bag,
     'csv': readers.csv,
+    'mapped': mapped.run,
+    'mapping_file': mapped.mapping_file,
     'parameter_file': readers.parameter_file,
     'plant': plant.run,
     'preparing': preparing.run,

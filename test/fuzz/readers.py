@@ -4,13 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 import functools
 from pathlib import Path
 import random
-import shutil
-import tempfile
 
 import numpy as np
 
@@ -20,6 +17,7 @@ from booster_ros.records import RecordError, iterate_csv, read_record
 from booster_ros.records import csv_text
 from booster_ros.records.bag_writer import BagWriter
 
+from .folder import folder
 from .mutation import mutated
 
 COLUMNS = ('time', 'control_current', 'chamber_pressure', 'valve_position')
@@ -34,22 +32,13 @@ def _table() -> str:
         for k in range(LINES))
 
 
-@contextmanager
-def _folder() -> Iterator[Path]:
-    folder = Path(tempfile.mkdtemp(prefix='fuzz.'))
-    try:
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
 def csv(rng: random.Random) -> None:
     """Read a table whole and in portions: the same comes of both."""
     text = _table()
     if rng.random() < 0.3:
         text = text.replace(',', ';').replace('.', rng.choice(',.'))
-    with _folder() as folder:
-        path = folder / 'record.csv'
+    with folder() as place:
+        path = place / 'record.csv'
         path.write_bytes(mutated(text.encode(), rng))
         with suppress(RecordError):
             read_record(path)
@@ -75,12 +64,12 @@ def _iterated(path: Path, block: int) -> np.ndarray | str:
 @functools.cache
 def _bag_files(storage: str) -> dict[str, bytes]:
     """Return the files of a good bag by name."""
-    with _folder() as folder:
-        with BagWriter(folder / 'bag', [f'/{name}' for name in COLUMNS[1:]], storage) as bag:
+    with folder() as place:
+        with BagWriter(place / 'bag', [f'/{name}' for name in COLUMNS[1:]], storage) as bag:
             for tick in range(60):
                 for name in COLUMNS[1:]:
                     bag.write(f'/{name}', 1e-4 * tick, 10**18 + tick * 10**7)
-        return {path.name: path.read_bytes() for path in (folder / 'bag').iterdir()}
+        return {path.name: path.read_bytes() for path in (place / 'bag').iterdir()}
 
 
 def bag(rng: random.Random) -> None:
@@ -88,11 +77,11 @@ def bag(rng: random.Random) -> None:
     files = dict(_bag_files(rng.choice(('mcap', 'sqlite3'))))
     name = rng.choice(sorted(files))
     files[name] = mutated(files[name], rng)
-    with _folder() as folder:
+    with folder() as place:
         for name, data in files.items():
-            (folder / name).write_bytes(data)
+            (place / name).write_bytes(data)
         with suppress(RecordError):
-            read_record(folder)
+            read_record(place)
 
 
 @functools.cache
@@ -103,8 +92,8 @@ def _parameter_text() -> bytes:
 
 def parameter_file(rng: random.Random) -> None:
     """Read a parameter file that has been changed; what is read has a model."""
-    with _folder() as folder:
-        path = folder / 'p.yaml'
+    with folder() as place:
+        path = place / 'p.yaml'
         path.write_bytes(mutated(_parameter_text(), rng))
         try:
             from_values(read_parameter_file(path).physical)

@@ -22,6 +22,9 @@ Intervals between rows are divided no further than this, s, unless measured driv
 them: what happens there is smooth.
 """
 
+PARTS_OF_A_DRIVE = 50
+"""Parts into which a measured drive is cut between two rows, each within both longest intervals."""
+
 THINNED_TOLERANCE = 3.0
 """
 Factor on the solver's tolerance where rows are thinned: it makes an error of 1 Pa and 0.03 um, far
@@ -131,13 +134,19 @@ class Experiment:
             state['chamber_pressure'] = start.chamber_pressure
         if start.valve_position is not None and 'valve_position' not in self.pinned:
             state['valve_position'] = start.valve_position
-        longest = DEFAULT_LONGEST_INTERVAL if self.pinned else LONGEST_INTERVAL
         time, current, pinned, at = self._course()
         run = simulate(
             parameters, time, current, state, pinned, self.tolerance, departure=start.departure,
-            longest_interval=longest)
+            longest_interval=self._longest_interval())
         return Simulation({name: values[at] for name, values in run.columns.items()},
                           run.final_state)
+
+    def _longest_interval(self) -> float:
+        """Return the length, s, beyond which intervals between rows are divided."""
+        if not self.pinned:
+            return LONGEST_INTERVAL
+        apart = float(np.median(np.diff(self.time)))
+        return min(max(apart / PARTS_OF_A_DRIVE, DEFAULT_LONGEST_INTERVAL), LONGEST_INTERVAL)
 
     def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:
         """Return time, standing current and measured drives to simulate, and where rows lie."""

@@ -27,8 +27,9 @@ FEWEST_ROWS = 12
 CLOSEST_ROWS = 1e-6
 """Time from row to row, s, below which no valve is recorded: it is of another unit."""
 
-LONGEST_SWEEP = 2e5
-"""Longest time, s, that the rows of a sweep stand altogether: a run over more takes minutes."""
+LONGEST_RUN = 7 * 86400.0
+"""Longest time, s, from the first row to the last: a week, or 10,000 rows a minute apart. A run
+over it takes seconds, and a diagnosis needs hundreds of runs."""
 
 LONGEST_GAP = 3600.0
 """A gap longer than this, s, and than all the rest of a record leaves nothing to go on from."""
@@ -108,6 +109,10 @@ def _check_time(record: Record) -> None:
     """Raise RecordError where rows are closer than a valve's, or a gap is longer than all else."""
     time = record['time']
     steps = np.diff(time)
+    if time[-1] - time[0] > LONGEST_RUN:
+        raise RecordError(
+            f'{record.source}, column time: lasts {time[-1] - time[0]:.3g} s, and no more than '
+            f'{LONGEST_RUN:g} s are compared with the model: time must be in s, or cut the record')
     if np.median(steps) < CLOSEST_ROWS:
         raise RecordError(
             f'{record.source}, column time: rows are {np.median(steps):.3g} s apart, and no valve '
@@ -122,7 +127,7 @@ def _check_time(record: Record) -> None:
 
 def _check_sweep(time: Array, source: str) -> None:
     """Raise RecordError where the rows of a sweep stand so long that a run takes minutes."""
-    if time[-1] > LONGEST_SWEEP:
+    if time[-1] > LONGEST_RUN:
         raise RecordError(
             f'{source}: no time, so it would be a quasi-static sweep of {len(time)} rows that '
             f'stand {time[1] - time[0]:g} s each, {time[-1]:.3g} s altogether: a record in time '
