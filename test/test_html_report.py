@@ -67,7 +67,7 @@ def test_a_page_of_a_long_record_with_all_channels_stays_small():
                for drawn in (measured_and_models, residuals_over_time)]
     drawn = sum(len(figure.to_json()) for figure in figures)
     assert drawn + len(plot_library()) < 5e6
-    assert sum(len(trace.x) for trace in figures[0].data) > 40_000  # to zoom into
+    assert sum(len(trace['x']) for trace in figures[0].traces) > 40_000  # to zoom into
 
 
 def test_a_page_begins_with_the_verdict_and_shows_every_error(made):

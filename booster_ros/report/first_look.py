@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from plotly.graph_objects import Figure
 
 from booster_ros.report.interactive import series_over_time
 from booster_ros.report.markup import bullets
+from booster_ros.report.panels import Panels
 from booster_ros.report.templating import plot, plot_library, rendered
 
 Array = np.ndarray
@@ -35,7 +35,7 @@ def first_look(title: str, time: Array | None, series: Sequence[Series], notes: 
         drawing=plot(_figure(time, shown), 'look', f'All columns of {title}') if shown else '')
 
 
-def _figure(time: Array | None, series: Sequence[Series]) -> Figure:
+def _figure(time: Array | None, series: Sequence[Series]) -> Panels:
     x = np.arange(len(series[0].values), dtype=float) if time is None else time
     known = np.flatnonzero(np.isfinite(x))
     known = known[np.argsort(x[known], kind='stable')]

@@ -8,14 +8,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from plotly.graph_objects import Figure, Scatter
-from plotly.subplots import make_subplots
 
 from booster_ros.report.explanation import binned_mean
 from booster_ros.report.names import channel_label
+from booster_ros.report.panels import Panels, axis
 from booster_ros.report.thinning import branches, over_time, thin
 from booster_ros.report.tones import (
-    AFTER, BEFORE, GRID, INK, LOCKED, MEASURED, NOISE, ROLE_SHADES)
+    AFTER, BEFORE, LOCKED, MEASURED, NOISE, ROLE_SHADES)
 from booster_ros.report.view import View, axis_label, scale
 
 Array = np.ndarray
@@ -24,15 +23,13 @@ POINTS = 120_000
 """Points of all lines of a figure together: what keeps a page small, and is much to zoom into."""
 
 _COLOURS = (BEFORE, AFTER)
-_TOP, _BOTTOM = 46, 46
-_MARGINS = {'l': 84, 'r': 8, 't': _TOP, 'b': _BOTTOM}
 
 
-def measured_and_models(view: View) -> Figure:
+def measured_and_models(view: View) -> Panels:
     """Draw each compared channel, measured and by both models, over time under the drive."""
     drives, channels = view.drives, view.channels
     heights = [14.0] + [90.0] * len(drives) + [190.0] * len(channels)
-    figure = panels(heights, shared=True)
+    figure = Panels(heights, shared=True)
     most = POINTS // (len(drives) + 3 * len(channels))
     for row, name in enumerate(drives, 2):
         _line(figure, row, *over_time(view.time, view.drive(name), most), MEASURED, 'drive',
@@ -48,15 +45,15 @@ def measured_and_models(view: View) -> Figure:
         _title(figure, row, axis_label(name))
     strips = [_rectangle(1, *_span(view, segment), ROLE_SHADES[segment.role], 'above')
               for segment in view.diagnosis.segments]
-    figure.update_layout(shapes=[*strips, *_locked(view, range(2, len(heights) + 1))])
-    figure.update_yaxes(visible=False, fixedrange=True, range=[0, 1], row=1, col=1)
-    figure.update_xaxes(showgrid=False, ticks='', row=1, col=1)
+    figure.layout['shapes'] = [*strips, *_locked(view, range(2, len(heights) + 1))]
+    figure.y_axis(1, visible=False, fixedrange=True, range=[0, 1])
+    figure.x_axis(1, showgrid=False, ticks='')
     return _over_time(figure, view, len(heights))
 
 
-def residuals_over_time(view: View) -> Figure:
+def residuals_over_time(view: View) -> Panels:
     """Draw measured minus model of both models over time, with the band that noise fills."""
-    figure = panels([170.0] * len(view.channels), shared=True)
+    figure = Panels([170.0] * len(view.channels), shared=True)
     most = POINTS // (2 * len(view.channels))
     shapes = _locked(view, range(1, len(view.channels) + 1))
     for row, name in enumerate(view.channels, 1):
@@ -65,13 +62,13 @@ def residuals_over_time(view: View) -> Figure:
             _line(figure, row, *over_time(view.time, view.residual(stage, name), most), colour,
                   label, name, shown=row == 1, width=1.0)
         _title(figure, row, _residual_label(name))
-    figure.update_layout(shapes=shapes)
+    figure.layout['shapes'] = shapes
     return _over_time(figure, view, len(view.channels))
 
 
-def residuals_over_variable(view: View, variables: dict[str, str]) -> Figure:
+def residuals_over_variable(view: View, variables: dict[str, str]) -> Panels:
     """Draw both models' residuals of each channel over the variable that explains it best."""
-    figure = panels([230.0] * len(variables), columns=2, titles=view.stage_labels)
+    figure = Panels([230.0] * len(variables), columns=2, titles=view.stage_labels)
     shapes = []
     for row, (name, variable) in enumerate(variables.items(), 1):
         x = view.state(variable)
@@ -79,116 +76,98 @@ def residuals_over_variable(view: View, variables: dict[str, str]) -> Figure:
             residual = view.residual(stage, name)
             shapes += noise_band(view, name, 2 * row - 2 + column)
             some = thin(x, residual, most=POINTS // (8 * len(variables)))
-            figure.add_trace(Scatter(
-                x=_light(some[0]), y=_light(some[1]), mode='markers', name=label,
-                marker={'size': 3, 'color': colour, 'opacity': 0.5}), row, column)
+            figure.draw(
+                row, column, x=_light(some[0]), y=_light(some[1]), mode='markers', name=label,
+                marker={'size': 3, 'color': colour, 'opacity': 0.5})
             middles, means, _ = binned_mean(x, residual)
-            figure.add_trace(Scatter(
-                x=_light(middles), y=_light(means), mode='lines', name='mean',
-                line={'color': 'black', 'width': 1.6}), row, column)
-            figure.update_xaxes(title_text=axis_label(variable), row=row, col=column)
-        figure.update_yaxes(matches=f'y{2 * row - 1}' if row > 1 else 'y', row=row)
+            figure.draw(
+                row, column, x=_light(middles), y=_light(means), mode='lines', name='mean',
+                line={'color': 'black', 'width': 1.6})
+            figure.x_axis(row, column, title={'text': axis_label(variable)})
+        figure.y_axis(row, 2, matches=f'y{axis(figure.number(row))}')
         _title(figure, row, _residual_label(name))
-    figure.update_layout(shapes=shapes, showlegend=False, hovermode='closest')
+    figure.layout |= {'shapes': shapes, 'showlegend': False, 'hovermode': 'closest'}
     return figure
 
 
-def sweep(view: View) -> Figure:
+def sweep(view: View) -> Panels:
     """Draw each compared channel of a quasi-static sweep, and its residuals, over the driver."""
     driver = view.driver
     assert driver is not None  # a sweep has a drive
-    figure = panels([300.0] * len(view.channels), columns=2)
+    figure = Panels([300.0] * len(view.channels), columns=2)
     x, shapes = view.drive(driver), []
     parts = branches([view.drive(name) for name in view.drives if name != driver], len(x))
     for row, name in enumerate(view.channels, 1):
         for rows, face, label in ((~view.locked, MEASURED, 'measured'),
                                   (view.locked, 'white', 'measured, held out')):
-            figure.add_trace(Scatter(
-                x=_light(x[rows]), y=_light(view.measured(name)[rows]), mode='markers', name=label,
-                legendgroup=label, showlegend=row == 1,
+            figure.draw(
+                row, x=_light(x[rows]), y=_light(view.measured(name)[rows]), mode='markers',
+                name=label, legendgroup=label, showlegend=row == 1,
                 marker={'size': 6, 'color': face, 'opacity': 0.7,
-                        'line': {'color': MEASURED, 'width': 1}}), row, 1)
+                        'line': {'color': MEASURED, 'width': 1}})
         shapes += noise_band(view, name, 2 * row)
         for stage, label, colour in zip(view.stages, view.stage_labels, _COLOURS):
             for column, values in ((1, view.model(stage, name)), (2, view.residual(stage, name))):
                 for part in parts:
-                    figure.add_trace(Scatter(
-                        x=_light(x[part]), y=_light(values[part]), name=label, legendgroup=label,
-                        mode='lines' if column == 1 else 'lines+markers', marker={'size': 4},
-                        showlegend=row == column == 1 and part.start == 0,
-                        line={'color': colour, 'width': 1.3}), row, column)
+                    figure.draw(
+                        row, column, x=_light(x[part]), y=_light(values[part]), name=label,
+                        legendgroup=label, mode='lines' if column == 1 else 'lines+markers',
+                        marker={'size': 4}, showlegend=row == column == 1 and part.start == 0,
+                        line={'color': colour, 'width': 1.3})
         _title(figure, row, axis_label(name))
-        figure.update_yaxes(title_text=_residual_label(name), row=row, col=2)
-        figure.update_xaxes(title_text=axis_label(driver), row=row)
-    figure.update_layout(shapes=shapes, hovermode='closest')
+        figure.y_axis(row, 2, title={'text': _residual_label(name)})
+        for column in (1, 2):
+            figure.x_axis(row, column, title={'text': axis_label(driver)})
+    figure.layout |= {'shapes': shapes, 'hovermode': 'closest'}
     return figure
 
 
-def series_over_time(x: Array, series: Sequence[tuple[str, Array]], label: str) -> Figure:
+def series_over_time(x: Array, series: Sequence[tuple[str, Array]], label: str) -> Panels:
     """Draw series of numbers, each in a panel of its own, over what they have in common."""
-    figure = panels([100.0] * len(series), shared=True)
+    figure = Panels([100.0] * len(series), shared=True)
     for row, (name, values) in enumerate(series, 1):
         _line(figure, row, *over_time(x, values, POINTS // len(series)), MEASURED, name, name,
               shown=False, unit='')
         _title(figure, row, '')
-        figure.add_annotation(text=name, x=0.0, y=1.0, xref='x domain' if row == 1 else
-                              f'x{row} domain', yref='y domain' if row == 1 else f'y{row} domain',
-                              xanchor='left', yanchor='bottom', showarrow=False)
-    figure.update_layout(hovermode='x unified', hoversubplots='axis')
-    figure.update_xaxes(title_text=label, row=len(series), col=1)
-    return figure
-
-
-def panels(heights: list[float], columns: int = 1, shared: bool = False,
-           titles: Sequence[str] = ()) -> Figure:
-    """Return an empty figure of rows of these heights, in pixels."""
-    gap = 24.0 if shared else 62.0
-    whole = sum(heights) + gap * (len(heights) - 1)
-    figure = make_subplots(
-        len(heights), columns, shared_xaxes=shared, row_heights=heights,
-        vertical_spacing=gap / whole if len(heights) > 1 else None, horizontal_spacing=0.11,
-        column_titles=list(titles) or None)
-    figure.update_layout(
-        height=whole + _TOP + _BOTTOM, margin=_MARGINS, template='none', plot_bgcolor='white',
-        font={'family': 'system-ui, sans-serif', 'size': 12, 'color': INK}, dragmode='zoom',
-        legend={'orientation': 'h', 'x': 0, 'xanchor': 'left', 'yref': 'container', 'y': 1,
-                'yanchor': 'top'}, hoverlabel={'namelength': -1})
-    figure.update_annotations(font_size=12)
-    figure.update_xaxes(showgrid=True, gridcolor=GRID, zeroline=False, linecolor=NOISE)
-    figure.update_yaxes(showgrid=True, gridcolor=GRID, zeroline=False, linecolor=NOISE,
-                        nticks=6)
+        figure.layout['annotations'].append({
+            'text': name, 'x': 0.0, 'y': 1.0, 'xref': f'x{axis(row)} domain',
+            'yref': f'y{axis(row)} domain', 'xanchor': 'left', 'yanchor': 'bottom',
+            'showarrow': False})
+    figure.layout |= {'hovermode': 'x unified', 'hoversubplots': 'axis'}
+    figure.x_axis(len(series), title={'text': label})
     return figure
 
 
 def noise_band(view: View, name: str, panel: int) -> list[dict[str, Any]]:
     """Return the part of a residual that noise fills, twice its level to either side."""
     level = 2.0 * view.noise(name)
-    axes = {'xref': f'x{_place(panel)} domain', 'yref': f'y{_place(panel)}'}
+    axes = {'xref': f'x{axis(panel)} domain', 'yref': f'y{axis(panel)}'}
     return [{'type': 'rect', **axes, 'x0': 0, 'x1': 1, 'y0': -level, 'y1': level, 'opacity': 0.22,
              'fillcolor': NOISE, 'line': {'width': 0}, 'layer': 'below'},
             {'type': 'line', **axes, 'x0': 0, 'x1': 1, 'y0': 0, 'y1': 0, 'layer': 'below',
              'line': {'color': NOISE, 'width': 1}}]
 
 
-def _line(figure: Figure, row: int, x: Array, y: Array, colour: str, label: str, name: str,
+def _line(figure: Panels, row: int, x: Array, y: Array, colour: str, label: str, name: str,
           shown: bool, width: float = 1.3, opacity: float = 1.0, shape: str = 'linear',
           unit: str | None = None) -> None:
     """Add a line to a panel; the legend has one entry for all panels."""
     unit = scale(name).unit if unit is None else unit
-    figure.add_trace(Scatter(
-        x=x, y=_light(y), mode='lines', name=label, legendgroup=label, showlegend=shown,
+    figure.draw(
+        row, x=x, y=_light(y), mode='lines', name=label, legendgroup=label, showlegend=shown,
         opacity=opacity, line={'color': colour, 'width': width, 'shape': shape},
-        hovertemplate=f'%{{y:.5~g}}{f" {unit}" if unit else ""}'), row, 1)
+        hovertemplate=f'%{{y:.5~g}}{f" {unit}" if unit else ""}')
 
 
-def _over_time(figure: Figure, view: View, last: int) -> Figure:
+def _over_time(figure: Panels, view: View, last: int) -> Panels:
     """Return a figure whose panels have one time, zoomed together and read together."""
     begins = view.diagnosis.experiment.begins
     label = f'time from {begins:.9g} s on, s' if begins else 'time, s'
-    figure.update_layout(hovermode='x unified', hoversubplots='axis')
-    figure.update_xaxes(range=[float(view.time[0]), float(view.time[-1])],
-                        hoverformat='.6~g', unifiedhovertitle={'text': '%{x} s'})
-    figure.update_xaxes(title_text=label, row=last, col=1)
+    figure.layout |= {'hovermode': 'x unified', 'hoversubplots': 'axis'}
+    for row in range(1, last + 1):
+        figure.x_axis(row, range=[float(view.time[0]), float(view.time[-1])], hoverformat='.6~g',
+                      unifiedhovertitle={'text': '%{x} s'})
+    figure.x_axis(last, title={'text': label})
     return figure
 
 
@@ -204,18 +183,13 @@ def _span(view: View, segment: Any) -> tuple[float, float]:
 
 
 def _rectangle(panel: int, first: float, last: float, colour: str, layer: str) -> dict[str, Any]:
-    return {'type': 'rect', 'xref': f'x{_place(panel)}', 'yref': f'y{_place(panel)} domain',
+    return {'type': 'rect', 'xref': f'x{axis(panel)}', 'yref': f'y{axis(panel)} domain',
             'x0': first, 'x1': last, 'y0': 0, 'y1': 1, 'fillcolor': colour, 'layer': layer,
             'line': {'width': 1, 'color': 'white'} if layer == 'above' else {'width': 0}}
 
 
-def _place(panel: int) -> str:
-    """Return the number by which an axis is called: the first has none."""
-    return '' if panel == 1 else str(panel)
-
-
-def _title(figure: Figure, row: int, text: str) -> None:
-    figure.update_yaxes(title_text=text, title_font_size=11, row=row, col=1)
+def _title(figure: Panels, row: int, text: str) -> None:
+    figure.y_axis(row, title={'text': text, 'font': {'size': 11}})
 
 
 def _residual_label(name: str) -> str:

@@ -9,7 +9,8 @@ from importlib.resources import files
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from plotly.graph_objects import Figure
+
+from booster_ros.report.panels import Panels
 
 _FOLDER = 'report'
 
@@ -33,9 +34,9 @@ def plot_library() -> str:
     return script.read_text(encoding='utf-8')
 
 
-def plot(figure: Figure, name: str, description: str) -> str:
+def plot(figure: Panels, name: str, description: str) -> str:
     """Return a figure as markup: its data, and a place that the library fills."""
     pieces: Any = _environment().get_template('plots.html').module
     # nothing in the data may end the element that it stands in
-    data = str(figure.to_json()).replace('<', '\\u003c')
-    return str(pieces.plot(name, description, figure.layout.height, data))
+    data = figure.to_json().replace('<', '\\u003c')
+    return str(pieces.plot(name, description, figure.height, data))
