@@ -245,7 +245,7 @@ def test_a_workbook_whose_rows_are_damaged_is_refused(tmp_path):
 def test_json_lines_of_another_encoding_are_asked_about(tmp_path):
     text = '\n'.join(json.dumps(dict(zip(NAMES, row))) for row in rows())
     path = write(tmp_path, text.encode() + b'\n{"note": "\x81"}\n', 'a.jsonl')
-    with pytest.raises(RecordError, match='is not .* throughout; say what it is in the mapping'):
+    with pytest.raises(RecordError, match=r'is not .* throughout; say what it is in the mapping'):
         mapped(path)
 
 

@@ -30,8 +30,11 @@ TARGETS = {
     'preparing': preparing.run,
 }
 
-PATIENCE = 30
-"""Seconds of processor time that an input may take."""
+PATIENCE = 120
+"""
+Seconds of processor time that an input may take: a run over a week, the longest record, takes 8 s,
+and a record is prepared with four and more.
+"""
 
 MEMORY = 4 << 30
 """Bytes of address space that the process may take on top of what it has after the first input."""
