@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from booster_ros.records import RecordError
+from booster_ros.records.cleaning import clean
 
 
 def test_a_vented_chamber_is_not_taken_for_kilopascals(tmp_path):
@@ -323,3 +324,8 @@ def test_vacuum_is_said_to_be_outside_the_model(tmp_path):
     assert 'vacuum is outside the model' in str(defects(record, 'vacuum')[0])
     noise = [[str(k), str(-300 + 10 * k)] for k in range(60)]
     assert not defects(read_cells(tmp_path, noise, 'time,chamber_pressure'), 'vacuum')
+
+
+def test_nothing_beside_time_is_no_record():
+    with pytest.raises(RecordError, match=r'record\.csv: has no column beside time'):
+        clean({'time': np.arange(20.0)}, np.arange(2, 22), 'record.csv')

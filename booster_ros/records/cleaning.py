@@ -73,6 +73,8 @@ def drop_empty_columns(
     """Leave out the columns without a single value."""
     empty = [name for name, values in columns.items() if np.isnan(values).all()]
     kept = {name: values for name, values in columns.items() if name not in empty}
+    if not set(columns) - {'time'}:
+        raise RecordError(f'{source}: has no column beside time')
     if not set(kept) - {'time'}:
         raise RecordError(f'{source}: column {empty[0]} has no value, and no other column is left')
     if 'time' in empty:
