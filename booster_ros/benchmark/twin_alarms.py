@@ -9,16 +9,20 @@ False alarms of the twin against the promised rate, and how soon faults are seen
 2. Valves: parameters, inputs, noise and drifts drawn, the model run as valve and as twin.
 3. The numbers of the same valves with faults are given to CUSUM, Page-Hinkley and ADWIN (of river,
    where it is installed), whose thresholds are set so that they give as many false alarms on the
-   clean ones as the twin's detector is set to.
+   clean ones as the twin promises.
 """
 
 import argparse
 import sys
 
+from tqdm import tqdm
 
 from . import twin_page
-from .twin_rivals import rivals
+from .twin_rivals import PROMISED, rivals
 from .twin_valves import CLEAN, drawn_alarms, effects, numbers_of, twin_delay, twin_false_alarms
+
+FAULTY = 12
+"""Valves drawn for each effect and size."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -35,16 +39,16 @@ def main(arguments: list[str] | None = None) -> int:
         alarms, hours = drawn_alarms(given.drawn_hours, per_thousand)
         lines.append(twin_page.rate_row('drawn residuals', hours, per_thousand, alarms))
         print(lines[-1], flush=True)
-    clean = [numbers_of(seed, CLEAN) for seed in range(max(int(given.hours / 2.0), 2))]
-    for per_thousand in (1000.0 / 8766.0, 10.0):
+    clean = [numbers_of(seed, CLEAN) for seed in tqdm(range(max(int(given.hours / 2.0), 2)))]
+    for per_thousand in (1000.0 / 8766.0, 10.0, PROMISED):
         alarms, hours = twin_false_alarms(clean, per_thousand)
         lines.append(twin_page.rate_row('valves, model run', hours, per_thousand, alarms))
         print(lines[-1], flush=True)
     others = rivals(clean)
     table = [f'| effect | {" | ".join(["twin", *others])} |', '|---|' + '---|' * (1 + len(others))]
     for name, values in effects():
-        runs = [numbers_of(1000 + seed, values) for seed in range(6)]
-        seen = [[twin_delay(run) for run in runs],
+        runs = [numbers_of(10_000 + seed, values) for seed in range(FAULTY)]
+        seen = [[twin_delay(run, PROMISED) for run in runs],
                 *([rival(run) for run in runs] for rival in others.values())]
         table.append(f'| {name} | ' + ' | '.join(map(twin_page.seen, seen)) + ' |')
         print(table[-1], flush=True)

@@ -27,9 +27,10 @@ def rate_row(name: str, hours: float, promised: float, alarms: int) -> str:
 
 
 def seen(delays: Sequence[float | None]) -> str:
-    """Return share detected and median delay, s, of runs (None: not seen)."""
-    found = [delay for delay in delays if delay is not None]
-    share = f'{len(found)} of {len(delays)}'
+    """Return share detected and median delay, s (None: not seen), of runs not alarmed before."""
+    counted = [delay for delay in delays if delay is None or not np.isnan(delay)]
+    found = [delay for delay in counted if delay is not None]
+    share = f'{len(found)} of {len(counted)}'
     return f'{share}, {np.median(found):.0f} s' if found else share
 
 

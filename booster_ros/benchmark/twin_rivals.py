@@ -4,7 +4,7 @@
 CUSUM, Page-Hinkley and ADWIN on the numbers that the twin judges, at its rate of false alarms.
 
 They are told mean and standard deviation of each number from the time of learning. Thresholds are
-the least at which the clean runs give no more alarms than are promised of the twin.
+the least at which no more clean runs have an alarm than the twin's promise allows.
 """
 
 from collections.abc import Callable
@@ -12,10 +12,10 @@ import importlib.util
 
 import numpy as np
 
-from .twin_valves import BLOCK, LEARNING, NAMES, Run
+from .twin_valves import LASTS, LEARNING, NAMES, Run, first_seen
 
-PROMISED = 10.0
-"""False alarms per 1000 h at which all are compared."""
+PROMISED = 100.0
+"""False alarms per 1000 h at which all are compared: enough to be counted in some hundred hours."""
 
 SLACK = 0.5
 """Standard deviations that CUSUM and Page-Hinkley let pass: half of a change by one."""
@@ -76,7 +76,7 @@ def rivals(clean: list[Run]) -> dict[str, Callable[[Run], float | None]]:
         'CUSUM': cusum, 'Page-Hinkley': page_hinkley}
     if importlib.util.find_spec('river') is not None:
         known['ADWIN'] = adwin
-    hours = sum(len(run.blocks) for run in clean) * BLOCK / 3600.0
+    hours = len(clean) * (LASTS - LEARNING) / 3600.0
     allowed = int(PROMISED * hours / 1000.0)
     found = {}
     for name, statistic in known.items():
@@ -90,7 +90,6 @@ def _delay_of(statistic: Callable[[np.ndarray], np.ndarray], limit: float
               ) -> Callable[[Run], float | None]:
     def delay(run: Run) -> float | None:
         ends, numbers = standardised(run)
-        late = (statistic(numbers) > limit) & (ends > run.changed)
-        return float(ends[np.argmax(late)] - run.changed) if late.any() else None
+        return first_seen(ends[statistic(numbers) > limit], run.changed)
 
     return delay

@@ -129,13 +129,18 @@ def twin_false_alarms(runs: list[Run], per_thousand: float) -> tuple[int, float]
     return count, sum(len(run.blocks) for run in runs) * BLOCK / 3600.0
 
 
-def twin_delay(run: Run, per_thousand: float = 10.0) -> float | None:
-    """Return the delay to the first alarm after the change, s; None for none."""
+def twin_delay(run: Run, per_thousand: float) -> float | None:
+    """Return the delay to the first alarm after the change, as `first_seen`."""
     alarms = _alarms(per_thousand)
-    for block in run.blocks:
-        if alarms.note(block) and block.end > run.changed:
-            return block.end - run.changed
-    return None
+    return first_seen(np.array([block.end for block in run.blocks if alarms.note(block)]),
+                      run.changed)
+
+
+def first_seen(alarms: np.ndarray, changed: float) -> float | None:
+    """Return the delay of the first of these alarms, s: None for none, NaN if it was too early."""
+    if not len(alarms):
+        return None
+    return float(alarms[0] - changed) if alarms[0] > changed else np.nan
 
 
 def drawn_alarms(hours: float, per_thousand: float) -> tuple[int, float]:
