@@ -111,6 +111,22 @@ def test_after_a_dropout_the_prediction_begins_anew_and_says_nothing_until_it_ha
     assert left['valve_position'] < 3.0 * 8e-6
 
 
+def test_it_does_not_matter_in_which_portions_samples_come():
+    rows = record(seconds=60.0)
+
+    def left(portion):
+        predictor = Predictor(from_values({}), frozenset(rows) - {'time'})
+        told = [predictor.advance({name: values[k:k + portion] for name, values in rows.items()})
+                for k in range(0, len(rows['time']), portion)]
+        time = np.concatenate([one.time for one in told])
+        np.testing.assert_allclose(time, rows['time'][:len(time)])
+        return np.concatenate([one.left['chamber_pressure'] for one in told])
+
+    whole, cut = left(600), left(3)
+    settled = slice(round(7.0 * RATE), 590)
+    np.testing.assert_allclose(cut[settled], whole[settled], atol=20.0)
+
+
 def test_parts_are_driven_by_what_is_measured():
     p = from_values({})
     assert roles(p, frozenset({'valve_position'})) == ()

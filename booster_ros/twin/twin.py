@@ -62,7 +62,7 @@ class Twin:
         self._begun = math.nan
         self._noise: dict[str, float] = {}
         self._misfit: dict[str, float] = {}
-        self._block: list[tuple[Prediction, dict[str, np.ndarray]]] = []
+        self._block: list[Prediction] = []
 
     @property
     def parameters(self) -> PositionerParameters:
@@ -111,9 +111,11 @@ class Twin:
         if not len(rows['time']):
             return []
         said = self._predictor.advance(rows)
-        self._show(rows, said)
-        self._block.append((said, {name: rows[name] for name in said.said}))
-        first, last = self._block[0][0].time[0], said.time[-1]
+        if not len(said.time):
+            return []
+        self._show(said)
+        self._block.append(said)
+        first, last = self._block[0].time[0], said.time[-1]
         if last - first < self.settings.block:
             return []
         found = self._end_block()
@@ -134,23 +136,24 @@ class Twin:
         self._alarms = Alarms(self.settings, names)
         return True
 
-    def _show(self, rows: dict[str, np.ndarray], said: Prediction) -> None:
+    def _show(self, said: Prediction) -> None:
         for name, values in said.said.items():
-            places = np.flatnonzero(np.isfinite(values) & np.isfinite(rows[name]))
+            read = said.read[name]
+            places = np.flatnonzero(np.isfinite(values) & np.isfinite(read))
             if len(places):
                 k = places[-1]
                 self.now[name] = Now(
-                    float(said.time[k]), float(rows[name][k]), float(values[k]),
+                    float(said.time[k]), float(read[k]), float(values[k]),
                     self._misfit.get(name, math.nan), self._noise.get(name, math.nan))
 
     def _end_block(self) -> list[Alarm]:
         pieces, self._block = self._block, []
-        time = np.concatenate([one.time for one, _ in pieces])
-        names = list(pieces[0][0].said)
+        time = np.concatenate([one.time for one in pieces])
+        names = list(pieces[0].said)
         said, left, read = (
             {name: np.concatenate([of[name] for of in ofs]) for name in names}
-            for ofs in ([one.said for one, _ in pieces], [one.left for one, _ in pieces],
-                        [rows for _, rows in pieces]))
+            for ofs in ([one.said for one in pieces], [one.left for one in pieces],
+                        [one.read for one in pieces]))
         for name in names:
             self._follow(self._noise, name, white_noise(read[name]))
             known = left[name][np.isfinite(left[name])]
