@@ -13,8 +13,10 @@ import subprocess
 import sys
 import time
 
+from killed_writer import killed_writer
 import numpy as np
 import pytest
+from ros_process import PATIENCE
 
 from booster_ros.model.parameters import ParameterError, from_values
 from booster_ros.model.stream import Stream
@@ -322,16 +324,9 @@ for k in range(10 ** 9):
 
 def test_a_kill_at_any_moment_leaves_model_and_calibration_of_one_time(tmp_path):
     path = tmp_path / 'twin.json'
-    writer = subprocess.Popen(
-        [sys.executable, '-c', WRITER, str(path)], stdout=subprocess.PIPE, cwd=os.getcwd())
-    for line in writer.stdout:
-        if int(line) >= 10:
-            break
-    time.sleep(0.05 * np.random.default_rng().random())
-    writer.send_signal(signal.SIGKILL)
-    told = [int(line), *map(int, writer.communicate()[0].split())]
+    told = killed_writer(WRITER, path, 10)
     kept = recall(path, HEALTHY)
-    assert kept.calibration['k'] >= told[-1]
+    assert kept.calibration['k'] >= told
     assert kept.model.actuator.coulomb_friction == 1.0 + kept.calibration['k'] % 1000
     assert kept.calibration['filling'] == [float(kept.calibration['k'])] * 20_000
 
@@ -444,6 +439,39 @@ def test_a_diagnosis_ends_with_who_started_it(tmp_path):
     assert not diagnosing.runs
     # the lock is free: the process is gone
     assert diagnosing.start(time.monotonic(), history, HEALTHY) == ''
+    diagnosing.end()
+
+
+STARTER = """
+import os, sys, time
+from pathlib import Path
+import numpy as np
+from booster_ros.model.parameters import from_values
+from booster_ros.twin.diagnosis_run import DiagnosisRun
+columns = {name: np.arange(200.0) for name in ('time', 'control_current', 'chamber_pressure')}
+run = DiagnosisRun(Path(sys.argv[1]), columns, from_values({}), (), 100.0, 0.0)
+print(run._process.pid, flush=True)
+time.sleep(1000.0)
+"""
+
+
+def test_after_a_kill_there_are_not_two_diagnoses(tmp_path):
+    starter = subprocess.Popen([sys.executable, '-c', STARTER, str(tmp_path)],
+                               stdout=subprocess.PIPE, cwd=os.getcwd())
+    left = int(starter.stdout.readline())
+    starter.kill()
+    starter.communicate()
+    history = full_history(valve(seconds=20.0))
+    diagnosing = Diagnosing(tmp_path, (), 100.0)
+    try:
+        assert diagnosing.start(time.monotonic(), history, HEALTHY) == (
+            f'another diagnosis runs in {tmp_path}')
+    finally:
+        os.kill(left, signal.SIGKILL)
+    end = time.monotonic() + PATIENCE
+    while diagnosing.start(time.monotonic(), history, HEALTHY):
+        assert time.monotonic() < end
+        time.sleep(0.05)
     diagnosing.end()
 
 
