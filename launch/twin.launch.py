@@ -70,6 +70,12 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 'block', default_value='0.5', description='seconds that are judged as one'
             ),
+            DeclareLaunchArgument(
+                'adopt_confirmed',
+                default_value='true',
+                choices=['true', 'false'],
+                description='whether a found model is adopted without a call of ~/adopt',
+            ),
             Node(
                 package='booster_ros',
                 executable='positioner',
@@ -127,7 +133,9 @@ def generate_launch_description() -> LaunchDescription:
                             LaunchConfiguration('history'), value_type=float
                         ),
                         'trial': ParameterValue(LaunchConfiguration('trial'), value_type=float),
-                        'adopt_confirmed': True,
+                        'adopt_confirmed': ParameterValue(
+                            LaunchConfiguration('adopt_confirmed'), value_type=bool
+                        ),
                         'rate': 10.0,
                     }
                 ],

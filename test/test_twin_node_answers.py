@@ -17,7 +17,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from ros_process import PATIENCE, RosProcess, program
+from ros_client import RosClient
+from ros_process import PATIENCE, ROOT, RosProcess, program
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
@@ -28,6 +29,7 @@ from booster_ros.nodes.ready import LATCHED
 from booster_ros.nodes.remote_parameters import RemoteParameters
 from booster_ros.nodes.twin import TwinNode
 from booster_ros.testing import Valve
+from booster_ros.twin.alarm import Alarm
 from booster_ros.twin.memory import Memory, OnTrial, recall, save
 from booster_ros.twin.verdict import Verdict
 
@@ -175,6 +177,20 @@ def test_a_model_that_predicts_worse_is_rolled_back_and_said(tmp_path):
         other.destroy_node()
 
 
+def test_the_example_that_watches_adopts_what_is_confirmed(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / 'examples')
+    from twin_watch import TwinWatch
+    memory = tmp_path / 'twin.json'
+    save(memory, HEALTHY, Memory(verdict=verdict_in(tmp_path / 'report', leak_area=LEAK)))
+    with Valve(NOISE) as valve:
+        bench = Bench(valve, memory=str(memory))
+        bench.move(20.0)
+        watch = TwinWatch(context=valve.context)
+        valve._executor.add_node(watch)
+        bench.wait_for(lambda: bench.verdict['adoption'] == 'on trial')
+        watch.destroy_node()
+
+
 def test_an_end_during_the_trial_rolls_back(tmp_path):
     memory = tmp_path / 'twin.json'
     save(memory, HEALTHY, Memory(verdict=verdict_in(tmp_path / 'report', leak_area=LEAK)))
@@ -188,6 +204,21 @@ def test_an_end_during_the_trial_rolls_back(tmp_path):
         assert again.twin.twin.parameters == HEALTHY
         again.wait_for(lambda: again.verdicts)
         assert again.verdict['adoption'] == 'rolled back: the twin ended during the trial'
+
+
+def test_an_alarm_without_a_verdict_is_answered_after_a_restart(tmp_path):
+    files = {'reports': str(tmp_path / 'reports'), 'memory': str(tmp_path / 'twin.json')}
+    with Valve(NOISE) as valve:
+        bench = Bench(valve, **files)
+        bench.move(10.0)
+        bench.twin.twin.latched.append(
+            Alarm(1.0, bench.twin.twin.history.end, 'valve_position', 'level', 0.1))
+        bench.twin.remember()
+        assert bench.state == 'nothing has been diagnosed yet'
+    with Valve(NOISE) as valve:
+        again = Bench(valve, **files)
+        again.move(10.0)
+        assert again.state.startswith('a diagnosis begins once a record of 20 s has come')
 
 
 # A positioner that is given the model as well
@@ -287,3 +318,25 @@ def test_a_damaged_memory_is_said_and_made_anew(tmp_path):
     with twin_process(f'memory:={tmp_path}') as node:
         assert node.wait() == 2
         assert node.stderr == [f'twin: memory: {tmp_path}: Is a directory']
+
+
+def test_a_kill_of_the_node_at_any_moment_leaves_its_memory_whole(tmp_path):
+    memory = tmp_path / 'twin.json'
+    save(memory, HEALTHY, Memory(from_values({'actuator.leak_area': LEAK}),
+                                 {'model': '', 'filling': [0.5] * 50_000}))
+    with twin_process(f'memory:={memory}') as node, RosClient() as client:
+        node.wait_for('the model that was adopted before the restart goes on')
+        asking = client.node.create_client(Trigger, 'twin/acknowledge')
+        client.spin_until(asking.service_is_ready)
+        for _ in range(200):  # each is a writing
+            asking.call_async(Trigger.Request())
+        for _ in range(5):
+            client.spin_once()
+        node.send(signal.SIGKILL)
+        node.wait()
+    kept = recall(memory, HEALTHY)
+    assert kept.model.actuator.leak_area == LEAK
+    assert kept.calibration['filling'] == [0.5] * 50_000
+    with twin_process(f'memory:={memory}') as node:
+        node.wait_for('the model that was adopted before the restart goes on')
+        assert 'damaged' not in node.output

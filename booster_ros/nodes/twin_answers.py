@@ -56,6 +56,7 @@ class Answers:
         self._remote: RemoteParameters | None = None
         self._given_up = 0.0
         self._news = False
+        self._awaits_alarms = True
         self._publisher = node.create_publisher(DiagnosticStatus, '~/verdict', LATCHED)
         node.create_service(Trigger, '~/diagnose', self._on_diagnose)
         node.create_service(Trigger, '~/adopt', self._on_adopt)
@@ -81,6 +82,13 @@ class Answers:
         if self._diagnosing.note(alarm, self._twin.settings.block * (alarms.join or 1)):
             self._log.info(self._state())
 
+    def _answer_earlier(self) -> None:
+        """Take up an alarm that there was before a restart, and no verdict yet."""
+        self._awaits_alarms = False
+        for alarm in sorted(self._twin.latched, key=lambda one: one.since)[:1]:
+            if self.verdict is None or not self.verdict.since >= alarm.since:
+                self.on_alarm(alarm)
+
     def forget(self) -> None:
         """Let an alarm start a diagnosis even where one like it has."""
         if self._diagnosing is not None:
@@ -88,6 +96,8 @@ class Answers:
 
     def turn(self) -> bool:
         """Go on with what runs beside the twin; tell whether there is something new to report."""
+        if self._awaits_alarms and self._twin.runs:
+            self._answer_earlier()
         if self._remote is not None:
             self._remote.turn()
         if self._diagnosing is not None and self._twin.trial is None:
