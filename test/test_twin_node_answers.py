@@ -315,9 +315,13 @@ def test_a_damaged_memory_is_said_and_made_anew(tmp_path):
         node.send(signal.SIGKILL)
         node.wait()
     assert recall(memory, HEALTHY) == Memory()
-    with twin_process(f'memory:={tmp_path}') as node:
-        assert node.wait() == 2
-        assert node.stderr == [f'twin: memory: {tmp_path}: Is a directory']
+    aside = tmp_path / 'twin.json.aside'
+    for given, complaint in (
+            (f'memory:={tmp_path}', f'memory: {tmp_path}: Is a directory'),
+            (f'reports:={aside}', f'reports: {aside}: File exists')):
+        with twin_process(given) as node:
+            assert node.wait() == 2
+            assert node.stderr == [f'twin: {complaint}']
 
 
 def test_a_kill_of_the_node_at_any_moment_leaves_its_memory_whole(tmp_path):

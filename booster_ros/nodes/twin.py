@@ -103,7 +103,7 @@ class TwinNode(Node):
         """Use the samples that have come, and publish what comes of them."""
         found = self.twin.update()
         if self.twin.remark:
-            self.get_logger().warning(self.twin.remark)
+            self.get_logger().info(self.twin.remark)
             self.twin.remark = ''
         for name, now in self.twin.now.items():
             self._said[name].publish(Float64(data=now.said))

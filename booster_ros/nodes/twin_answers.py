@@ -36,7 +36,8 @@ class Answers:
     """
     Offers ~/diagnose and ~/adopt, publishes ~/verdict; `turn` has to be called now and then.
 
-    `changed` is called when something is to be kept over a restart.
+    `changed` is called when something is to be kept over a restart. ParameterError where reports
+    cannot be written.
     """
 
     def __init__(self, node: Node, twin: Twin, settings: AnswerSettings, recalled: Memory,
@@ -45,7 +46,7 @@ class Answers:
         self._changed = changed
         self._log = node.get_logger()
         self._diagnosing = Diagnosing(
-            Path(settings.reports).absolute(), settings.hypotheses, settings.diagnosis_timeout
+            _folder(settings.reports), settings.hypotheses, settings.diagnosis_timeout
         ) if settings.reports else None
         self.adopted: PositionerParameters | None = recalled.model
         """The model that was adopted and kept."""
@@ -261,3 +262,13 @@ class Answers:
         """End the diagnosis that runs."""
         if self._diagnosing is not None:
             self._diagnosing.end()
+
+
+def _folder(path: str) -> Path:
+    """Return the folder of reports, made where there is none."""
+    folder = Path(path).absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ParameterError(f'reports: {folder}: {error.strerror}') from None
+    return folder

@@ -78,7 +78,7 @@ class Twin:
         self.trial: Trial | None = None
         """The comparison of the model that runs with the one before, None where there is none."""
         self.remark = ''
-        """A sentence on a calibration that could not be used."""
+        """A sentence on a calibration that was recalled: that it goes on, or why it is no use."""
         self._before: _Before | None = None
         self._recalled: Mapping[str, Any] | None = None
         self.latched: list[Alarm] = []
@@ -165,6 +165,7 @@ class Twin:
         except (KeyError, TypeError, ValueError) as error:
             self.remark = f'the calibration is damaged ({error!r}): it is made anew'
             return None
+        self.remark = 'the calibration from before the restart goes on'
         return alarms
 
     def acknowledge(self) -> None:
