@@ -25,7 +25,7 @@ from booster_ros.twin.adoption import Trial
 from booster_ros.twin.alarm import Alarm, Alarms, Settings
 from booster_ros.twin.aligning import CHANNELS, Aligner
 from booster_ros.twin.diagnosing import Diagnosing
-from booster_ros.twin.diagnosis_run import BusyError, DiagnosisRun
+from booster_ros.twin.diagnosis_run import NICE, BusyError, DiagnosisRun
 from booster_ros.twin.history import MOST_ROWS, History, write_record
 from booster_ros.twin.memory import Memory, OnTrial, RecallError, recall, save, set_aside
 from booster_ros.twin.predictor import Prediction
@@ -398,6 +398,7 @@ def test_a_leak_is_found_and_nobody_waits_for_it(tmp_path):
     diagnosing = Diagnosing(tmp_path / 'reports', ['chamber_leak'], 100.0)
     assert diagnosing.start(time.monotonic(), history, HEALTHY) == ''
     assert diagnosing.start(time.monotonic(), history, HEALTHY) == 'a diagnosis runs already'
+    assert os.getpriority(os.PRIO_PROCESS, diagnosing._run._process.pid) >= NICE
     with pytest.raises(BusyError, match='another diagnosis runs in'):
         DiagnosisRun(tmp_path / 'reports', history.record(), HEALTHY, (), 10.0, 0.0)
     verdict, longest = ended(diagnosing, history)

@@ -81,7 +81,7 @@ class DiagnosisRun:
             os.close(lock)  # the process has it now
         with suppress(OSError, ValueError):  # it may have ended
             os.setpriority(os.PRIO_PROCESS, self._process.pid, NICE)
-            seconds = int(limit) + 1
+            seconds = int(limit * (os.cpu_count() or 1)) + 1  # of all threads together
             resource.prlimit(self._process.pid, resource.RLIMIT_CPU, (seconds, seconds + 5))
 
     def _command(self, hypotheses: Sequence[str]) -> list[str]:
