@@ -9,10 +9,12 @@ folder may have been deleted, signals come before a program has its own ways for
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 import errno
 import io
 import os
+from pathlib import Path
 import signal
 import sys
 from types import FrameType
@@ -93,6 +95,13 @@ def working_folder_is_there() -> bool:
     except OSError:
         return False
     return True
+
+
+def environment_with_package() -> Mapping[str, str]:
+    """Return the variables of a process that finds the package where this one did."""
+    root = str(Path(__file__).resolve().parents[1])
+    others = os.environ.get('PYTHONPATH')
+    return {**os.environ, 'PYTHONPATH': f'{root}{os.pathsep}{others}' if others else root}
 
 
 class _Forgiving(io.TextIOWrapper):

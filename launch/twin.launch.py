@@ -3,6 +3,9 @@
 """
 Start a positioner that plays the real valve, moves it, and the twin beside it.
 
+After two minutes its packing begins to rub; the twin says so, has that diagnosed, and adopts what
+is found if it is confirmed.
+
 ros2 launch booster_ros twin.launch.py faults:='[{fault: f8, at: 120.0}]'
 """
 
@@ -36,13 +39,42 @@ def generate_launch_description() -> LaunchDescription:
                 description='least severity of what nodes log',
             ),
             DeclareLaunchArgument(
-                'faults', default_value='[]', description='timetable of faults: docs/faults.md'
+                'faults',
+                default_value='[{fault: stem_friction, strength: 1.0, at: 130.0}]',
+                description='timetable of faults: docs/faults.md',
             ),
             DeclareLaunchArgument(
-                'learning', default_value='96.0', description='seconds in which the twin learns'
+                'reports',
+                default_value='twin_reports',
+                description='folder of the reports of diagnoses',
             ),
             DeclareLaunchArgument(
-                'block', default_value='2.0', description='seconds that are judged as one'
+                'memory',
+                default_value='',
+                description='file of what is known again after a restart, none by default',
+            ),
+            DeclareLaunchArgument(
+                'hypotheses',
+                default_value='stem_friction position_backlash chamber_leak bench_set_shift',
+                description="effects that a diagnosis tries, '' for all, which takes minutes",
+            ),
+            DeclareLaunchArgument(
+                'history', default_value='40.0', description='seconds of a record to diagnose'
+            ),
+            DeclareLaunchArgument(
+                'trial', default_value='20.0', description='seconds of a trial of a found model'
+            ),
+            DeclareLaunchArgument(
+                'learning', default_value='90.0', description='seconds in which the twin learns'
+            ),
+            DeclareLaunchArgument(
+                'block', default_value='0.5', description='seconds that are judged as one'
+            ),
+            DeclareLaunchArgument(
+                'adopt_confirmed',
+                default_value='true',
+                choices=['true', 'false'],
+                description='whether a found model is adopted without a call of ~/adopt',
             ),
             Node(
                 package='booster_ros',
@@ -70,7 +102,10 @@ def generate_launch_description() -> LaunchDescription:
                 name='fake_controller',
                 ros_arguments=['--log-level', LaunchConfiguration('log_level')],
                 parameters=[
-                    {'profile': 'sines', 'loop': True, 'frequencies': [0.05, 0.13, 0.31]}
+                    {
+                        'profile': 'sines', 'loop': True, 'frequencies': [0.21, 0.55, 0.83],
+                        'low': 0.425e-3, 'high': 0.441e-3,
+                    }
                 ],
                 output='screen',
             ),
@@ -89,6 +124,19 @@ def generate_launch_description() -> LaunchDescription:
                             LaunchConfiguration('learning'), value_type=float
                         ),
                         'block': ParameterValue(LaunchConfiguration('block'), value_type=float),
+                        'reports': ParameterValue(LaunchConfiguration('reports'), value_type=str),
+                        'memory': ParameterValue(LaunchConfiguration('memory'), value_type=str),
+                        'hypotheses': ParameterValue(
+                            LaunchConfiguration('hypotheses'), value_type=str
+                        ),
+                        'history': ParameterValue(
+                            LaunchConfiguration('history'), value_type=float
+                        ),
+                        'trial': ParameterValue(LaunchConfiguration('trial'), value_type=float),
+                        'adopt_confirmed': ParameterValue(
+                            LaunchConfiguration('adopt_confirmed'), value_type=bool
+                        ),
+                        'rate': 10.0,
                     }
                 ],
                 output='screen',

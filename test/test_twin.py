@@ -4,11 +4,7 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-
+from killed_writer import killed_writer
 import numpy as np
 import pytest
 
@@ -109,6 +105,22 @@ def test_after_a_dropout_the_prediction_begins_anew_and_says_nothing_until_it_ha
     left, predictor = left_rms(rows)
     assert predictor.restarts == 2  # once for each part
     assert left['valve_position'] < 3.0 * 8e-6
+
+
+def test_it_does_not_matter_in_which_portions_samples_come():
+    rows = record(seconds=60.0)
+
+    def left(portion):
+        predictor = Predictor(from_values({}), frozenset(rows) - {'time'})
+        told = [predictor.advance({name: values[k:k + portion] for name, values in rows.items()})
+                for k in range(0, len(rows['time']), portion)]
+        time = np.concatenate([one.time for one in told])
+        np.testing.assert_allclose(time, rows['time'][:len(time)])
+        return np.concatenate([one.left['chamber_pressure'] for one in told])
+
+    whole, cut = left(600), left(3)
+    settled = slice(round(7.0 * RATE), 590)
+    np.testing.assert_allclose(cut[settled], whole[settled], atol=20.0)
 
 
 def test_parts_are_driven_by_what_is_measured():
@@ -243,15 +255,9 @@ for k in range(10 ** 9):
 
 def test_what_was_written_outlives_a_kill(tmp_path):
     path = tmp_path / 'trends.sqlite'
-    writer = subprocess.Popen(
-        [sys.executable, '-c', WRITER, str(path)], stdout=subprocess.PIPE, cwd=os.getcwd())
-    for line in writer.stdout:
-        if int(line) >= 50:
-            break
-    writer.send_signal(signal.SIGKILL)
-    told = [int(line), *map(int, writer.communicate()[0].split())]
+    told = killed_writer(WRITER, path, 50)
     kept = Store(path).latest()
-    assert kept['a'] >= told[-1]
+    assert kept['a'] >= told
     assert kept['b'] == -kept['a']
 
 

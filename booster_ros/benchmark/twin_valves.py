@@ -95,20 +95,23 @@ def _input(random: np.random.Generator, time: np.ndarray) -> np.ndarray:
 def _blocks(p: PositionerParameters, rows: Mapping[str, np.ndarray]) -> list[Summary]:
     predictor = Predictor(p, frozenset(rows) - {'time'})
     spans = {'chamber_pressure': p.supply.pressure, 'valve_position': p.actuator.travel}
+    times: list[np.ndarray] = []
     said: dict[str, list[np.ndarray]] = {name: [] for name in CHANNELS}
     left: dict[str, list[np.ndarray]] = {name: [] for name in CHANNELS}
     for begin in range(0, len(rows['time']), PIECE):
         told = predictor.advance({name: one[begin:begin + PIECE] for name, one in rows.items()})
+        times.append(told.time)
         for name in CHANNELS:
             said[name].append(told.said[name])
             left[name].append(told.left[name])
     whole_said, whole_left = ({name: np.concatenate(parts) for name, parts in of.items()}
                               for of in (said, left))
+    whole_time = np.concatenate(times)
     size = round(BLOCK * RATE)
     found = []
-    for begin in range(0, len(rows['time']) - size + 1, size):
+    for begin in range(0, len(whole_time) - size + 1, size):
         piece = slice(begin, begin + size)
-        block = summary(rows['time'][piece], {n: v[piece] for n, v in whole_said.items()},
+        block = summary(whole_time[piece], {n: v[piece] for n, v in whole_said.items()},
                         {n: v[piece] for n, v in whole_left.items()}, spans)
         if block is not None:
             found.append(block)

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 import json
-import os
 from pathlib import Path
 import shutil
 import sys
@@ -15,6 +14,7 @@ import threading
 from typing import Any
 
 from ..campaign.program import MODULE, Program
+from ..surroundings import environment_with_package
 from .manifest import Valve
 from .outcome import ANSWERED, FAILED, REFUSED, TIMEOUT, Outcome, answer_of
 
@@ -53,7 +53,7 @@ def diagnosed(values: Mapping[str, Any]) -> Outcome | None:
     program = Program((sys.executable, '-m', MODULE), order.folder, Path(), '')
     ended = program.run(
         'close_loop', [*order.valve.words(), *order.options, '--out', str(kept)], order.timeout,
-        stop, _environment())
+        stop, environment_with_package())
     if stop.is_set():
         return None
 
@@ -77,10 +77,3 @@ def diagnosed(values: Mapping[str, Any]) -> Outcome | None:
 def stop_run(run: str) -> None:
     """End the diagnoses of a run that this process has started."""
     _stops.setdefault(run, threading.Event()).set()
-
-
-def _environment() -> Mapping[str, str]:
-    """Return the variables of a process that finds the package where this one did."""
-    root = str(Path(__file__).resolve().parents[2])
-    others = os.environ.get('PYTHONPATH')
-    return {**os.environ, 'PYTHONPATH': f'{root}{os.pathsep}{others}' if others else root}

@@ -30,11 +30,14 @@ from ..twin.settings import DESCRIPTIONS, TwinSettings, check, checked
 from ..twin.store import Store, StoreError
 from ..twin.trends import Counters
 from ..twin.twin import Twin
+from ..twin.verdict import moment
 from .declaration import check_files, declare_table, overrides_of
 from .outputs import quiet_publisher
 from .process import run
 from .ready import LATCHED, Ready
+from .twin_answers import Answers
 from .twin_inputs import TwinInputs
+from .twin_memory import TwinMemory
 
 DESCRIPTION = 'Run the model of a valve beside the real one, as a ROS 2 node.'
 EXAMPLE = '--ros-args --params-file twin.yaml -p model:=positioner.yaml\n' \
@@ -64,7 +67,13 @@ class TwinNode(Node):
         check_files(arguments, self.get_fully_qualified_name(), checked)
         self._settings: TwinSettings = declare_table(
             self, DESCRIPTIONS, DESCRIPTIONS.keys(), checked, check)
-        self.twin = Twin(_model(self._settings.model), self._settings.alarms)
+        declared = _model(self._settings.model)
+        self._memory = TwinMemory(self.get_logger(), self._settings.memory, declared)
+        recalled = self._memory.recalled
+        self.twin = Twin(recalled.model or declared, self._settings.alarms,
+                         history=self._settings.answers.history)
+        if recalled.calibration is not None:
+            self.twin.recall(recalled.calibration)
         self._store = _store(self._settings.store)
         before = self._store.latest() if self._store else {}
         self._counters = Counters(0.002 * self.twin.parameters.actuator.travel, before)
@@ -74,6 +83,8 @@ class TwinNode(Node):
         self._trends = quiet_publisher(self, DiagnosticArray, '~/trends')
         self._alarms = self.create_publisher(String, '~/alarm', LATCHED)
         self._diagnostics = quiet_publisher(self, DiagnosticArray, '/diagnostics')
+        self._answers = Answers(
+            self, self.twin, self._settings.answers, recalled, self.remember)
         self._inputs = TwinInputs(self, self._on_sample)
         self._read: list[float] = []
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -91,21 +102,28 @@ class TwinNode(Node):
     def turn(self) -> None:
         """Use the samples that have come, and publish what comes of them."""
         found = self.twin.update()
+        if self.twin.remark:
+            self.get_logger().info(self.twin.remark)
+            self.twin.remark = ''
         for name, now in self.twin.now.items():
             self._said[name].publish(Float64(data=now.said))
         self._residuals.publish(self._array([_residual(name, now)
                                              for name, now in self.twin.now.items()]))
         for alarm in found:
             self._on_alarm(alarm)
+        said_more = self._answers.turn()
         if found:
+            self.remember()
+        if found or said_more:
             self.report()
 
     def _on_alarm(self, alarm: Alarm) -> None:
-        sentence = f'{alarm.sentence}, since {alarm.since:.1f} s'
+        sentence = f'{alarm.sentence}, since {moment(alarm.since)}'
         self.get_logger().warning(sentence)
         self._alarms.publish(String(data=sentence))
         if self._store:
             self._store.alarm(*alarm, alarm.sentence)
+        self._answers.on_alarm(alarm)
 
     def report(self) -> None:
         """Publish health and trends."""
@@ -117,16 +135,24 @@ class TwinNode(Node):
             values |= {'blocks judged': str(alarms.blocks),
                        'evidence, share of an alarm': f'{alarms.evidence:.3f}'}
         values |= {f'samples: {name}': str(count) for name, count in vars(counts).items()}
-        self._diagnostics.publish(self._array([DiagnosticStatus(
-            level=LEVELS.get(status, DiagnosticStatus.OK), name=f'{self._full_name()}: valve',
-            message=f'{status}: {reason}', hardware_id='real valve',
-            values=[KeyValue(key=key, value=value) for key, value in values.items()])]))
+        self._diagnostics.publish(self._array([
+            DiagnosticStatus(
+                level=LEVELS.get(status, DiagnosticStatus.OK), name=f'{self._full_name()}: valve',
+                message=f'{status}: {reason}', hardware_id='real valve',
+                values=[KeyValue(key=key, value=value) for key, value in values.items()]),
+            self._answers.status(f'{self._full_name()}: diagnosis')]))
         self._trends.publish(self._array([DiagnosticStatus(
             name='trends', values=[KeyValue(key=key, value=repr(value))
                                    for key, value in self._trend_values().items()])]))
 
+    def remember(self) -> None:
+        """Keep what has to be known again after a restart."""
+        self._memory.save(self.twin, self._answers)
+
     def keep(self) -> None:
-        """Append the trends to the store."""
+        """Append the trends to the store, and keep what has been learnt since."""
+        if self._memory.is_due(self.twin):
+            self.remember()
         if self._store and self.twin.now:
             self._store.trends(max(now.time for now in self.twin.now.values()),
                                self._trend_values())
@@ -153,12 +179,16 @@ class TwinNode(Node):
                         ) -> Trigger.Response:
         count = len(self.twin.latched)
         self.twin.acknowledge()
+        self._answers.forget()
+        self.remember()
         response.success, response.message = True, f'{count} alarms acknowledged'
         self.report()
         return response
 
     def destroy_node(self) -> None:
-        """Keep the last trends."""
+        """End what runs, and keep the last trends and what was learnt."""
+        self._answers.end()
+        self.remember()
         if self._store:
             self.keep()
             self._store.close()

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The alarms of one valve: learning, detectors for every number, the promise and what is said."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .detector import FEWEST, Detector
 from .learning import in_groups, join_of
@@ -85,6 +85,11 @@ class Alarms:
         return self.join is not None
 
     @property
+    def seen(self) -> int:
+        """Blocks that have come in, of which `as_values` tells."""
+        return self.blocks + len(self._first) + len(self._waiting)
+
+    @property
     def lacking(self) -> str:
         """What keeps the alarms from promising or from seeing anything, '' for nothing."""
         if self.join is None:
@@ -130,14 +135,45 @@ class Alarms:
         if self.join is None:
             self._first = self._first[-4 * every:]
             return
-        length = self.settings.block * self.join
-        threshold = len(self.names) * YEAR / length / self.settings.false_alarms
-        self._detectors = {
-            name: Detector(self.settings.tolerance(name[1]), threshold, seed)
-            for seed, name in enumerate(self.names)}
+        self._detectors = self._new_detectors(self.join)
         for one in in_groups(self._first, self.join):
             self._judge(one)
         self._first = []
+
+    def _new_detectors(self, join: int) -> dict[tuple[str, str], Detector]:
+        length = self.settings.block * join
+        threshold = len(self.names) * YEAR / length / self.settings.false_alarms
+        return {name: Detector(self.settings.tolerance(name[1]), threshold, seed)
+                for seed, name in enumerate(self.names)}
+
+    def as_values(self) -> dict[str, Any]:
+        """Return what has been learnt as plain values, for `restored`."""
+        return {
+            'settings': list(self.settings), 'names': [list(name) for name in self.names],
+            'join': self.join, 'blocks': self.blocks, 'cell': self._cell,
+            'first': [one.as_values() for one in self._first],
+            'waiting': [one.as_values() for one in self._waiting],
+            'detectors': [self._detectors[name].as_values() for name in self.names]
+            if self._detectors else []}
+
+    @classmethod
+    def restored(
+        cls, settings: Settings, names: Iterable[tuple[str, str]], values: Mapping[str, Any],
+    ) -> 'Alarms | None':
+        """Return the alarms that `as_values` told of; None if of other settings or numbers."""
+        made = cls(settings, names)
+        if (values['settings'] != list(settings)
+                or values['names'] != [list(name) for name in made.names]):
+            return None
+        made.join, made.blocks = values['join'], int(values['blocks'])
+        made._cell = values['cell'] and (int(values['cell'][0]), int(values['cell'][1]))
+        made._first = [Summary.restored(one) for one in values['first']]
+        made._waiting = [Summary.restored(one) for one in values['waiting']]
+        if made.join is not None:
+            made._detectors = made._new_detectors(int(made.join))
+            for name, one in zip(made.names, values['detectors'], strict=True):
+                made._detectors[name].restore(one)
+        return made
 
     def _judge(self, block: Summary) -> list[Alarm]:
         self.blocks += 1

@@ -39,7 +39,9 @@ a cell, which are then what it takes for healthy.
 """
 
 import bisect
+from collections.abc import Mapping
 import math
+from typing import Any
 
 import numpy as np
 
@@ -82,6 +84,20 @@ class Cell:
         """How many blocks there are to compare with."""
         return len(self._scores)
 
+    def as_values(self) -> dict[str, Any]:
+        """Return all that is known as plain values, for `restored`."""
+        return {'first': self._first, 'scores': self._scores, 'seen': self._seen,
+                'centre': self.centre}
+
+    @classmethod
+    def restored(cls, values: Mapping[str, Any]) -> 'Cell':
+        """Return the cell that `as_values` told of."""
+        cell = cls()
+        cell._first = [float(x) for x in values['first']]
+        cell._scores = sorted(float(x) for x in values['scores'])
+        cell._seen, cell.centre = int(values['seen']), float(values['centre'])
+        return cell
+
     def p_value(self, x: float, tolerance: float, random: np.random.Generator) -> float | None:
         """Return the p-value of a block, and take it in; None while the centre is sought."""
         if len(self._first) < CENTRING:
@@ -120,6 +136,22 @@ class Detector:
         self._moved: list[float] = []
         self.shift = 0.0
         """Mean of the number less its centre since `since`."""
+
+    def as_values(self) -> dict[str, Any]:
+        """Return all that is known as plain values, for `restore`."""
+        return {
+            'cells': [[*place, cell.as_values()] for place, cell in self._cells.items()],
+            'log': self._log, 'excursion': self._excursion, 'since': self._since,
+            'moved': self._moved, 'random': self._random.bit_generator.state}
+
+    def restore(self, values: Mapping[str, Any]) -> None:
+        """Go on from where `as_values` was asked: with the same chance to come as well."""
+        self._cells = {(int(third), int(activity)): Cell.restored(cell)
+                       for third, activity, cell in values['cells']}
+        self._log, self._excursion = float(values['log']), float(values['excursion'])
+        self._since = float(values['since'])
+        self._moved = [float(x) for x in values['moved']]
+        self._random.bit_generator.state = values['random']
 
     @property
     def log_evidence(self) -> float:

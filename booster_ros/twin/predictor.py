@@ -46,6 +46,8 @@ class Prediction(NamedTuple):
 
     time: Array
     said: dict[str, Array]
+    read: dict[str, Array]
+    """The readings themselves."""
     left: dict[str, Array]
     """Reading less what the model says, NaN where either is missing or a part settles."""
 
@@ -66,6 +68,10 @@ class Predictor:
         """How often a part has begun anew after a break."""
         self._parts = [_Part(parameters, role, compiled, settling)
                        for role in roles(parameters, driven)]
+        self._near: dict[str, Array] = {}
+        """Rows before the next ones that are near enough to smooth these, the last of them not used
+        yet for want of those behind."""
+        self._used = -math.inf
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -74,19 +80,36 @@ class Predictor:
 
     def restart(self) -> None:
         """Begin anew with the next rows, as after a jump of the clock."""
+        self._near, self._used = {}, -math.inf
         for part in self._parts:
             part.stop()
 
     def advance(self, rows: Mapping[str, Array]) -> Prediction:
-        """Go on over rows (`time`, s, and channels in SI, NaN where not read), rising in time."""
-        time = np.asarray(rows['time'], dtype=float)
-        said, left = {}, {}
+        """
+        Go on over rows (`time`, s, and channels in SI, NaN where not read), rising in time.
+
+        The last rows wait for the next call: a channel that drives is smoothed over what comes
+        before and behind, and at the end of what is there its slope would be that of the noise.
+        """
+        rows = {name: np.concatenate([self._near[name], values]) if self._near else np.asarray(
+            values, dtype=float) for name, values in rows.items()}
+        time = rows['time']
+        if not len(time):
+            return Prediction(time, {}, {}, {})
+        use = slice(int(np.searchsorted(time, self._used, 'right')),
+                    int(np.searchsorted(time, time[-1] - 0.5 * SMOOTHED, 'right')))
+        said, read, left = {}, {}, {}
         for part in self._parts:
             name = part.role.channel
-            said[name], settled = part.advance(rows)
-            left[name] = np.where(settled, rows[name] - said[name], math.nan)
+            told, settled = part.advance(rows, use)
+            said[name], read[name] = told[use], rows[name][use]
+            left[name] = np.where(settled[use], read[name] - said[name], math.nan)
         self.restarts = sum(max(part.starts - 1, 0) for part in self._parts)
-        return Prediction(time, said, left)
+        if use.stop > use.start:
+            self._used = float(time[use.stop - 1])
+        near = time >= self._used - SMOOTHED
+        self._near = {name: values[near] for name, values in rows.items()}
+        return Prediction(time[use], said, read, left)
 
 
 class Role(NamedTuple):
@@ -136,9 +159,13 @@ class _Part:
         self._began = math.nan
         self._last = math.nan
 
-    def advance(self, rows: Mapping[str, Array]) -> tuple[Array, Array]:
-        """Return what the part says at these rows, and whether it has settled there."""
-        time = np.asarray(rows['time'], dtype=float)
+    def advance(self, rows: Mapping[str, Array], use: slice) -> tuple[Array, Array]:
+        """
+        Return what the part says at these rows, and whether it has settled there.
+
+        It goes on over the rows `use`; those beside them smooth, and have NaN.
+        """
+        time = rows['time']
         said, settled = np.full(len(time), math.nan), np.zeros(len(time), dtype=bool)
         usable = np.ones(len(time), dtype=bool)
         for name in self.role.pinned:
@@ -150,22 +177,29 @@ class _Part:
             return said, settled
         breaks = np.flatnonzero(np.diff(time[places]) > LONGEST_GAP) + 1
         for piece in np.split(places, breaks):
-            if not time[piece[0]] - self._last <= LONGEST_GAP:
+            inside = (piece >= use.start) & (piece < use.stop)
+            if not inside.any():
+                continue
+            if not time[piece[inside][0]] - self._last <= LONGEST_GAP:
                 self.stop()
-            said[piece], settled[piece] = self._run(time, np.asarray(command), rows, piece)
+            there = piece[inside]
+            said[there], settled[there] = self._run(command, rows, piece, inside)
         return said, settled
 
-    def _run(self, time: Array, command: Array, rows: Mapping[str, Array], piece: Array
+    def _run(self, command: Array, rows: Mapping[str, Array], piece: Array, inside: Array
              ) -> tuple[Array, Array]:
-        pinned = {name: smoothed(time[piece], rows[name][piece])[0] for name in self.role.pinned}
+        near = rows['time'][piece]
+        pinned = {name: smoothed(near, rows[name][piece])[0][inside] for name in self.role.pinned}
         if POSITION in pinned:
-            pinned['stem_velocity'] = smoothed(time[piece], rows[POSITION][piece])[1]
+            pinned['stem_velocity'] = smoothed(near, rows[POSITION][piece])[1][inside]
+        piece = piece[inside]
+        time = rows['time'][piece]
         if self._stream is None:
-            self._begin(time[piece[0]], command[piece[0]], rows, piece, pinned)
+            self._begin(time[0], command[piece[0]], rows, piece, pinned)
         assert self._stream is not None
-        seen = self._stream.advance(time[piece], command[piece], pinned)
-        self._last = float(time[piece[-1]])
-        return seen[READING[self.role.channel]], time[piece] - self._began >= self._settling
+        seen = self._stream.advance(time, command[piece], pinned)
+        self._last = float(time[-1])
+        return seen[READING[self.role.channel]], time - self._began >= self._settling
 
     def _begin(self, time: float, command: float, rows: Mapping[str, Array], piece: Array,
                pinned: Mapping[str, Array]) -> None:

@@ -5,6 +5,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from ..model.catalogue import EFFECTS
 from ..model.parameters import Description, ParameterError, unknown_name
 from ..parameters.schema import checked_as
 from .alarm import Settings
@@ -40,9 +41,45 @@ DESCRIPTIONS: dict[str, Description] = {
         Description(
             'learning', _DEFAULTS.learning, 's', 'time in which a healthy valve shows how it is',
             10.0, 1e7, 'docs/twin.md'),
+        Description(
+            'memory', '', '-', 'file in which calibration and adopted model are kept over a '
+            'restart; empty: none', -1.0, 1.0, 'none'),
+        Description(
+            'reports', '', '-', 'folder in which each diagnosis has one of its own; empty: '
+            'nothing is diagnosed', -1.0, 1.0, 'none'),
+        Description(
+            'history', 300.0, 's', 'length of the record that is kept and diagnosed', 10.0, 3600.0,
+            'several moves of a valve'),
+        Description(
+            'hypotheses', '', '-', 'effects that a diagnosis tries, names with blanks between '
+            'them; empty: all', -1.0, 1.0, 'all'),
+        Description(
+            'diagnosis_timeout', 1800.0, 's', 'longest time of a diagnosis', 1.0, 86400.0,
+            'docs/twin.md'),
+        Description(
+            'trial', 300.0, 's', 'length of the comparison of a found model with the one before',
+            5.0, 86400.0, 'as the record'),
+        Description(
+            'adopt_confirmed', False, '-', 'adopt a found model without being asked where all '
+            'that it adds is confirmed', 0.0, 1.0, 'a person decides'),
+        Description(
+            'adopt_into', '', '-', 'name of a running positioner that is given a found model as '
+            'well; empty: none', -1.0, 1.0, 'none'),
     )
 }
 """Every parameter of the twin by name."""
+
+
+class AnswerSettings(NamedTuple):
+    """What is done about an alarm."""
+
+    reports: str
+    history: float
+    hypotheses: tuple[str, ...]
+    diagnosis_timeout: float
+    trial: float
+    adopt_confirmed: bool
+    adopt_into: str
 
 
 class TwinSettings(NamedTuple):
@@ -50,8 +87,10 @@ class TwinSettings(NamedTuple):
 
     model: str
     store: str
+    memory: str
     rate: float
     alarms: Settings
+    answers: AnswerSettings
 
 
 def checked(name: str, value: Any) -> Any:
@@ -71,5 +110,11 @@ def check(values: Mapping[str, Any]) -> TwinSettings:
         raise ParameterError(
             f'learning ({known["learning"]:g} s) must be at least 24 blocks of '
             f'{known["block"]:g} s')
-    model, store, rate = (known.pop(name) for name in ('model', 'store', 'rate'))
-    return TwinSettings(model, store, rate, Settings(**known))
+    known['hypotheses'] = tuple(known['hypotheses'].split())
+    for name in known['hypotheses']:
+        if name not in EFFECTS:
+            raise ParameterError(f'hypotheses: there is no effect {name} in the catalogue '
+                                 f'(it has {", ".join(EFFECTS)})')
+    answers = AnswerSettings(**{name: known.pop(name) for name in AnswerSettings._fields})
+    model, store, memory, rate = (known.pop(name) for name in ('model', 'store', 'memory', 'rate'))
+    return TwinSettings(model, store, memory, rate, Settings(**known), answers)

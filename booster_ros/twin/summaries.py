@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a block of residuals is summarised by: a few numbers per channel, and its operating cell."""
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,18 @@ class Summary(NamedTuple):
     end: float
     cell: tuple[int, int]
     numbers: dict[tuple[str, str], float]
+
+    def as_values(self) -> list[Any]:
+        """Return it as plain values, for `restored`."""
+        return [self.begin, self.end, list(self.cell),
+                [[*name, number] for name, number in self.numbers.items()]]
+
+    @classmethod
+    def restored(cls, values: Sequence[Any]) -> 'Summary':
+        """Return the summary that `as_values` told of."""
+        begin, end, (third, activity), numbers = values
+        return cls(begin, end, (third, activity), {
+            (channel, kind): number for channel, kind, number in numbers})
 
 
 def summary(

@@ -2,21 +2,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """The twin of one valve: samples in; prediction, residuals, alarms and health out."""
 
+from collections.abc import Mapping
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..model.system import PositionerParameters
 from ..signals.noise_level import white_noise
+from .adoption import Outcome, Trial
 from .aligning import CHANNELS, Aligner
 from .alarm import Alarm, Alarms, Settings
 from .health import Health, health
+from .history import History
+from .memory import digest_of
 from .predictor import COMPARED, POSITION, PRESSURE, Predictor, Prediction
 from .summaries import KINDS, Summary, summary
 
 LISTENING = 3.0
 """Time, s, after which the channels that have come are those that the valve has."""
+
+RECALLING = 30.0
+"""The same where a calibration is of channels that have not come yet: who restarts all at once
+starts some later than others."""
 
 SILENT = 5.0
 """Time, s, without a sample from which a channel is lost, while others come."""
@@ -43,15 +51,36 @@ class Now(NamedTuple):
         return (self.read - self.said) / self.noise if self.noise > 0.0 else math.nan
 
 
+class _Before(NamedTuple):
+    """What goes on beside a model on trial, and comes back where that fails."""
+
+    parameters: PositionerParameters
+    predictor: Predictor
+    alarms: Alarms | None
+    misfit: dict[str, float]
+    latched: list[Alarm]
+
+
 class Twin:
-    """Runs the model of `parameters` beside samples of a valve; `settings` are of its alarms."""
+    """
+    Runs the model of `parameters` beside samples of a valve; `settings` are of its alarms.
+
+    `history` is the length, s, of what came last that is kept.
+    """
 
     def __init__(
         self, parameters: PositionerParameters, settings: Settings, compiled: bool = True,
-        aligner: Aligner | None = None,
+        aligner: Aligner | None = None, history: float = 300.0,
     ) -> None:
         self.settings = settings
         self.aligner = aligner or Aligner()
+        self.history = History(history)
+        self.trial: Trial | None = None
+        """The comparison of the model that runs with the one before, None where there is none."""
+        self.remark = ''
+        """A sentence on a calibration that was recalled: that it goes on, or why it is no use."""
+        self._before: _Before | None = None
+        self._recalled: Mapping[str, Any] | None = None
         self.latched: list[Alarm] = []
         """Alarms since the last acknowledgement."""
         self.now: dict[str, Now] = {}
@@ -62,7 +91,7 @@ class Twin:
         self._begun = math.nan
         self._noise: dict[str, float] = {}
         self._misfit: dict[str, float] = {}
-        self._block: list[tuple[Prediction, dict[str, np.ndarray]]] = []
+        self._block: list[Prediction] = []
 
     @property
     def parameters(self) -> PositionerParameters:
@@ -74,6 +103,70 @@ class Twin:
         self._parameters = parameters
         self._predictor = self._alarms = None
         self._block, self._misfit, self.latched = [], {}, []
+
+    def try_out(self, parameters: PositionerParameters, seconds: float) -> None:
+        """Run another model on trial: `seconds` s beside the one so far, see `adoption`."""
+        if self._predictor is None:
+            raise RuntimeError('nothing runs that another model could be compared with')
+        self._before = _Before(
+            self._parameters, self._predictor, self._alarms, self._misfit, self.latched)
+        self.adopt(parameters)
+        self.trial = Trial(seconds)
+
+    def end_trial(self) -> Outcome:
+        """Keep the model on trial if it was better, else go on with the one before."""
+        assert self.trial is not None
+        assert self._before is not None
+        outcome = self.trial.outcome(self._noise)
+        if not outcome.is_kept:
+            (self._parameters, self._predictor, self._alarms, self._misfit,
+             self.latched) = self._before
+            self._block = []
+        self.trial = self._before = None
+        return outcome
+
+    def calibration(self) -> dict[str, Any] | None:
+        """
+        Return how the valve is while it is healthy, as plain values; None where nothing is known.
+
+        Of a model on trial nothing is told, but of the one before.
+        """
+        parameters, alarms, latched = self._parameters, self._alarms, self.latched
+        if self._before is not None:
+            parameters, alarms = self._before.parameters, self._before.alarms
+            latched = self._before.latched
+        if alarms is None:
+            return None
+        return {
+            'model': digest_of(parameters), 'channels': sorted(self._came), 'noise': self._noise,
+            'alarms': alarms.as_values(), 'latched': [list(one) for one in latched]}
+
+    def recall(self, calibration: Mapping[str, Any]) -> None:
+        """Go on from a calibration once the channels are known; `remark` says if it is no use."""
+        if isinstance(calibration.get('channels'), list):
+            self._recalled = calibration
+
+    def _restored(self, names: list[tuple[str, str]]) -> Alarms | None:
+        """Return the alarms of the calibration that was recalled, None where there is no use."""
+        recalled, self._recalled = self._recalled, None
+        if recalled is None:
+            return None
+        try:
+            if recalled['model'] != digest_of(self._parameters):
+                self.remark = 'the calibration is of another model: it is made anew'
+                return None
+            alarms = Alarms.restored(self.settings, names, recalled['alarms'])
+            if alarms is None or recalled['channels'] != sorted(self._came):
+                self.remark = ('the calibration is of other channels or of other parameters of '
+                               'alarms: it is made anew')
+                return None
+            self.latched = [Alarm(*one) for one in recalled['latched']]
+            self._noise = {str(name): float(one) for name, one in recalled['noise'].items()}
+        except (KeyError, TypeError, ValueError) as error:
+            self.remark = f'the calibration is damaged ({error!r}): it is made anew'
+            return None
+        self.remark = 'the calibration from before the restart goes on'
+        return alarms
 
     def acknowledge(self) -> None:
         """Take the alarms as seen."""
@@ -106,19 +199,32 @@ class Twin:
         if self.aligner.jumped:
             self.aligner.jumped = False
             self._predictor.restart()
+            if self._before is not None:
+                self._before.predictor.restart()
+            self.history.clear()
             self._block = []
         rows = self.aligner.rows()
         if not len(rows['time']):
             return []
+        self.history.add(rows)
         said = self._predictor.advance(rows)
-        self._show(rows, said)
-        self._block.append((said, {name: rows[name] for name in said.said}))
-        first, last = self._block[0][0].time[0], said.time[-1]
+        if self.trial is not None and self._before is not None:
+            self.trial.note(self._before.predictor.advance(rows), said)
+        if not len(said.time):
+            return []
+        self._show(said)
+        self._block.append(said)
+        first, last = self._block[0].time[0], said.time[-1]
         if last - first < self.settings.block:
             return []
         found = self._end_block()
         self.latched = [*self.latched, *found]
         return found
+
+    @property
+    def runs(self) -> bool:
+        """Whether a model runs."""
+        return self._predictor is not None
 
     def _listened(self) -> bool:
         newest = max(self._came.values(), default=-math.inf)
@@ -128,29 +234,33 @@ class Twin:
             self._begun = newest
         if newest - self._begun < LISTENING:
             return False
+        awaited = set(self._recalled['channels']) if self._recalled else set()
+        if awaited - set(self._came) and newest - self._begun < RECALLING:
+            return False
         self._predictor = Predictor(
             self._parameters, frozenset(self._came), self._compiled)
         names = [(channel, kind) for channel in self._predictor.channels for kind in KINDS]
-        self._alarms = Alarms(self.settings, names)
+        self._alarms = self._restored(names) or Alarms(self.settings, names)
         return True
 
-    def _show(self, rows: dict[str, np.ndarray], said: Prediction) -> None:
+    def _show(self, said: Prediction) -> None:
         for name, values in said.said.items():
-            places = np.flatnonzero(np.isfinite(values) & np.isfinite(rows[name]))
+            read = said.read[name]
+            places = np.flatnonzero(np.isfinite(values) & np.isfinite(read))
             if len(places):
                 k = places[-1]
                 self.now[name] = Now(
-                    float(said.time[k]), float(rows[name][k]), float(values[k]),
+                    float(said.time[k]), float(read[k]), float(values[k]),
                     self._misfit.get(name, math.nan), self._noise.get(name, math.nan))
 
     def _end_block(self) -> list[Alarm]:
         pieces, self._block = self._block, []
-        time = np.concatenate([one.time for one, _ in pieces])
-        names = list(pieces[0][0].said)
+        time = np.concatenate([one.time for one in pieces])
+        names = list(pieces[0].said)
         said, left, read = (
             {name: np.concatenate([of[name] for of in ofs]) for name in names}
-            for ofs in ([one.said for one, _ in pieces], [one.left for one, _ in pieces],
-                        [rows for _, rows in pieces]))
+            for ofs in ([one.said for one in pieces], [one.left for one in pieces],
+                        [one.read for one in pieces]))
         for name in names:
             self._follow(self._noise, name, white_noise(read[name]))
             known = left[name][np.isfinite(left[name])]
