@@ -17,11 +17,9 @@ from booster_ros.diagnosis.data.roles import Roles
 from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.prepare.timestamp_jitter import (
     commands_may_be_late, with_noise_of_timing)
+from booster_ros.diagnosis.prepare.otherwise import check_taken_otherwise
 from booster_ros.diagnosis.prepare.plausibility import (
-    check_bench, check_clock, check_direction, check_drive, out_of_reach, stands_still,
-    without_stuck)
-from booster_ros.diagnosis.prepare.pressures import check_pressures
-from booster_ros.diagnosis.prepare.reversed_current import check_current
+    check_bench, check_drive, out_of_reach, stands_still, without_stuck)
 from booster_ros.diagnosis.prepare.rows import (
     FEWEST_ROWS, Rows, aligned, between_samples)
 from booster_ros.diagnosis.prepare.sampled_commands import with_sampled_commands
@@ -120,11 +118,7 @@ def _checked(experiment: Experiment, declared: PositionerParameters, source: str
     """
     check_drive(experiment, declared, source)
     check_bench(experiment, declared, source)
-    if not experiment.quasi_static:
-        check_clock(experiment, declared, source)
-    check_pressures(experiment, declared, source)
-    check_current(experiment, declared, source)
-    check_direction(experiment, declared, source)
+    check_taken_otherwise(experiment, declared, source)
     experiment = without_stuck(experiment, declared, source)
     return replace(experiment, notes=(*experiment.notes, *_still_notes(experiment.measured)))
 

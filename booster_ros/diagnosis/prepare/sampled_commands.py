@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.prepare.timestamp_jitter import DRAWS
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -31,10 +32,6 @@ FEWEST = 5
 """Smallest number of jumps that tell: those before which the model moves by less than AHEAD, as a
 share of what it does next. A valve at rest looks ahead by as much as the model was on its way."""
 
-DRAWS = 8
-"""Number of runs, in each of which every jump is drawn anew at either end of its row: what two
-jumps leave may cancel."""
-
 
 def with_sampled_commands(experiment: Experiment, declared: PositionerParameters) -> Experiment:
     """Return the experiment with commands as read now and then, as it is where they were not."""
@@ -45,7 +42,7 @@ def with_sampled_commands(experiment: Experiment, declared: PositionerParameters
     jumps = np.abs(following - current) > JUMP * np.ptp(current)
     rng = np.random.default_rng(1)
     runs = []
-    for _ in range(DRAWS):
+    for _ in range(DRAWS):  # what two jumps leave may cancel in one of them
         taken = np.where(rng.random(len(current)) < 0.5, current, following)
         runs.append(replace(
             experiment, current=np.where(jumps, taken, current),

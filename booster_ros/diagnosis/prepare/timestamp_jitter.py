@@ -21,14 +21,13 @@ EVEN = 1e-3
 """Unevenness of the spacing of rows, relative to their distance, below which rows and drive have
 one clock."""
 
-DRAWS = 4
+LATE = 0.5 - np.sqrt(1.0 / 6.0)
+"""Share of rows whose command is a whole row late if the delay is to have the standard deviation of
+one that is anywhere in a row, sqrt(1/12): share times (1 - share) is its square."""
 
-OFTEN = 0.5
-"""Share of rows whose command is a row late: a standard deviation of the delay of half a row."""
-
-AS_OFTEN = 0.5 - np.sqrt(1.0 / 6.0)
-"""Share of rows for a delay with a standard deviation of a row over sqrt(12), which is that of a
-uniform delay."""
+DRAWS = 8
+"""Number of runs, in each of which every command is drawn anew: what they differ by is known to a
+quarter."""
 
 
 def commands_may_be_late(experiment: Experiment) -> bool:
@@ -45,29 +44,18 @@ def commands_may_be_late(experiment: Experiment) -> bool:
     return float(np.quantile(np.abs(steps - usual), 0.9)) >= EVEN * usual
 
 
-def with_late_commands(
-    experiment: Experiment, share: float, rng: np.random.Generator
-) -> Experiment:
-    """Return the experiment with this share of its rows commanded as the row before them."""
+def with_late_commands(experiment: Experiment, rng: np.random.Generator) -> Experiment:
+    """Return the experiment with some of its rows, drawn, commanded as the row before them."""
     before = np.append(experiment.current[:1], experiment.current[:-1])
     return replace(experiment, current=np.where(
-        rng.random(len(before)) < share, before, experiment.current))
+        rng.random(len(before)) < LATE, before, experiment.current))
 
 
 def with_noise_of_timing(experiment: Experiment, declared: PositionerParameters) -> Experiment:
-    """
-    Return the experiment with the noise of each channel at least what late commands leave.
-
-    Each command is drawn a whole row late or not late, with a standard deviation that is sqrt(3)
-    times what it should be: if they were late more seldom, more draws would be needed.
-    """
+    """Return the experiment with the noise of each channel at least what late commands leave."""
     rng = np.random.default_rng(1)
     taken = experiment.predict(declared)
-    squares: dict[str, list[float]] = {name: [] for name in experiment.noise}
-    for _ in range(DRAWS):
-        moved = with_late_commands(experiment, OFTEN, rng).predict(declared)
-        for name, values in squares.items():
-            values.append(float(np.mean((moved[name] - taken[name])**2)))
+    runs = [with_late_commands(experiment, rng).predict(declared) for _ in range(DRAWS)]
     return replace(experiment, noise={
-        name: max(level, float(np.sqrt(np.mean(squares[name]) / 3.0)))
+        name: max(level, float(np.sqrt(np.mean([(run[name] - taken[name])**2 for run in runs]))))
         for name, level in experiment.noise.items()})
