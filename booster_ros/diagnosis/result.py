@@ -11,6 +11,7 @@ from booster_ros.diagnosis.data.experiment import UNITS, Experiment, Initial, rm
 from booster_ros.diagnosis.data.blocks import Segment
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.uncertainty import Interval
+from booster_ros.diagnosis.selection.decide import TraceStep
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
@@ -37,26 +38,6 @@ class FoundEffect:
     evidence: dict[str, float]
     standing: str = 'candidate'
     explained: float = float('nan')
-
-
-@dataclass(frozen=True)
-class TraceStep:
-    """
-    A step of the selection: a model against another.
-
-    `log_evidence` and `gain` (of log likelihood, with its standard error over blocks) are tempered
-    by `dispersion`, + where the first model is better; `reduced_chi2` is what that one leaves, in
-    squares of the noise.
-    """
-
-    effects: tuple[str, ...]
-    against: tuple[str, ...]
-    reduced_chi2: float
-    log_evidence: float
-    gain: float
-    gain_standard_error: float
-    dispersion: float
-    outcome: str
 
 
 def either(effect: FoundEffect) -> str:

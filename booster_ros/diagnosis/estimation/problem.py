@@ -12,7 +12,7 @@ what is known beforehand of declared parameters and of the start. Variables are 
 parameters, then those of the start.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -183,6 +183,16 @@ class Problem:
         """
         steps = np.full(len(z), DIFFERENCE) if before is None else self.steps_for(
             np.linalg.norm(before, axis=0))
+        silent = self._silent(z)
+        columns = np.zeros((len(here), len(z)))
+        told = [j for j in range(len(z)) if j not in silent]
+        columns[:, told] = self.differences(z, here, told, steps)
+        for j in silent:  # such a variable moves what is known of it alone
+            columns[len(here) + j - len(z), j] = 1.0 / self.sigma[j]
+        return columns
+
+    def differences(self, z: Array, here: Array, which: Sequence[int], steps: Array) -> Array:
+        """Return the columns of some variables in the Jacobian, by such steps in each variable."""
         _, high = self.bounds()
 
         def column(j: int) -> Array:
@@ -191,14 +201,7 @@ class Problem:
             moved[j] += step
             return (self.residuals(moved) - here) / step
 
-        silent = self._silent(z)
-        columns = np.zeros((len(here), len(z)))
-        told = [j for j in range(len(z)) if j not in silent]
-        for j, change in zip(told, side_by_side(column, told)):
-            columns[:, j] = change
-        for j in silent:  # such a variable moves what is known of it alone
-            columns[len(here) + j - len(z), j] = 1.0 / self.sigma[j]
-        return columns
+        return np.reshape(side_by_side(column, which), (len(which), len(here))).T
 
     def steps_for(self, slopes: Array) -> Array:
         """Return how far to step for differences, in z, where slopes have these norms."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
-from booster_ros.diagnosis.estimation.problem import START, Problem
+from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.scaling import PAPER, proportion
 from booster_ros.diagnosis.hypotheses.regressor import range_followed
@@ -76,9 +76,6 @@ _PLACES = {
 
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Parts of the linear move that are tried: far away the model bends."""
-
-STEP = 0.1
-"""Step in a value of the table, in sizes that show, by which its column of a Jacobian is formed."""
 
 WIDEST = 1.0
 """
@@ -207,24 +204,12 @@ def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
     where = len(problem.freedoms)
     z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
     r = joint.residuals(z)
-    columns = []
-    for j in range(where, where + KNOTS - 2):
-        moved = z.copy()
-        moved[j] += STEP
-        columns.append((joint.residuals(moved) - r) / STEP)
-    data = problem.observed
+    data, inner = problem.observed, range(where, where + KNOTS - 2)
     jacobian = np.zeros((len(r), len(z)))
-    outer = np.r_[0:where, where + KNOTS - 2:len(z)]
-    jacobian[:data, outer] = reference.jacobian[:data]
-    for j, column in zip(range(where, where + KNOTS - 2), columns):
-        jacobian[:, j] = column
-    for j, free in enumerate(joint.freedoms):
-        if np.isfinite(free.sigma) and j < where:
-            row = data + sum(np.isfinite(f.sigma) for f in joint.freedoms[:j])
-            jacobian[row, j] = 1.0 / free.sigma
-    tail = joint.nuisances
-    for j in range(tail):
-        jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / START[j]
+    jacobian[:data, np.delete(np.arange(len(z)), inner)] = reference.jacobian[:data]
+    jacobian[data:, joint.known] = np.diag(1.0 / joint.sigma[joint.known])
+    jacobian[:, inner] = joint.differences(
+        z, r, inner, np.full(len(z), LARGEST_DIFFERENCE))  # beside it a table bends nowhere
     low, high = joint.bounds()
     move = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
     left = r + jacobian @ move

@@ -62,6 +62,26 @@ class Comparison:
     dispersion: float
 
 
+@dataclass(frozen=True)
+class TraceStep:
+    """
+    A step of the selection: a model against another.
+
+    `log_evidence` and `gain` (of log likelihood, with its standard error over blocks) are tempered
+    by `dispersion`, + where the first model is better; `reduced_chi2` is what that one leaves, in
+    squares of the noise.
+    """
+
+    effects: tuple[str, ...]
+    against: tuple[str, ...]
+    reduced_chi2: float
+    log_evidence: float
+    gain: float
+    gain_standard_error: float
+    dispersion: float
+    outcome: str
+
+
 def compare(one: Score, other: Score, c: float) -> Comparison:
     """Return what the record says of `one` against `other`, both scored on the same blocks."""
     gains = 0.5 * (other.costs - one.costs) / c
