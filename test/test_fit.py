@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.data.experiment import Initial
-from booster_ros.diagnosis.estimation.fit import carried, first_steps, fit, fit_at, nominal
+from booster_ros.diagnosis.estimation.fit import carried, fit, fit_at, nominal
 from booster_ros.diagnosis.hypotheses.compose import with_effects
 
 
@@ -68,7 +68,7 @@ def test_without_starts_a_fit_begins_with_what_is_given():
 
 def test_first_steps_end_before_the_fit_does():
     problem = TwoWells()
-    found = first_steps(problem, np.array([4.0]), 2)
+    found = fit(problem, [np.array([4.0])], 2)
     assert problem.runs <= 4
     assert found.cost > fit(TwoWells(), at(4.0)).cost + 1.0
 

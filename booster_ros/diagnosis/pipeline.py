@@ -18,7 +18,7 @@ from booster_ros.diagnosis.data.blocks import (
     rows_of, split, split_sweep, training_blocks)
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
-from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
+from booster_ros.diagnosis.estimation.parametrisation import get, label
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, label_of, place_of

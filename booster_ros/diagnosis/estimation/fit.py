@@ -65,10 +65,10 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
     Return the best of the descents of a problem from several starts (default: as given).
 
     A descent ends where cost and variables change by less than `tolerance` (relative), or after so
-    many evaluations: after FIRST_STEPS it tells which way things go, and is no estimate. `slopes` is
-    a Jacobian to begin with, which need not be quite that of the starts. From the best end another
-    descent begins where a declared parameter that moves nothing there would begin to move something
-    (`inactive`).
+    many evaluations: after FIRST_STEPS it tells which way things go, and is no estimate. `slopes`
+    is a Jacobian to begin with, which need not be quite that of the starts. From the best end
+    another descent begins where a declared parameter that moves nothing there would begin to move
+    something (`inactive`).
     """
     low, high = problem.bounds()
     margin = 1e-6 * np.minimum(high - low, 1.0)

@@ -97,14 +97,15 @@ class _Slopes:
 
 
 def descend(residuals: Residuals, differences: Differences, begin: Array, low: Array, high: Array,
-            evaluations: int, converged: float = CONVERGED, slopes: Array | None = None) -> Descent:
+            evaluations: int, converged: float = CONVERGED, slopes: Array | None = None
+            ) -> Descent:
     """
     Return where, downhill from `begin`, the squared residuals are least between `low` and `high`.
 
     `differences` forms a Jacobian from a place, the residuals there, and an earlier Jacobian or
     None; `evaluations` is the largest number of evaluations beside those that form Jacobians,
-    `converged` the relative change at which the descent ends, `slopes` a Jacobian to begin with, which
-    need not be quite that of `begin`. Variables are of order one.
+    `converged` the relative change at which the descent ends, `slopes` a Jacobian to begin with,
+    which need not be quite that of `begin`. Variables are of order one.
     """
     known = _Slopes(lambda v: residuals(v - _SHIFT),
                     lambda v, r, before: differences(v - _SHIFT, r, before), slopes)

@@ -27,14 +27,12 @@ from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant
 from booster_ros.diagnosis.selection.decide import TIE
-from booster_ros.diagnosis.selection.screening import reference_at, screen, with_chord_steps
+from booster_ros.diagnosis.selection.screening import first_steps, reference_at, screen
 from booster_ros.diagnosis.selection.stepwise import Selection, comparison
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
-
-_A_FREQUENCY = np.array([0.5])
 
 
 def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[str, ...]:
@@ -64,7 +62,7 @@ def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:
     most = 2.0 * TIE * chosen.score.dispersion * whole.observed / max(chosen.problem.observed, 1)
 
     def cost(other: str) -> float:
-        return with_chord_steps(rest, screen(rest, around, other, _A_FREQUENCY)).cost - known
+        return first_steps(rest, screen(rest, around, other)).cost - known
 
     others = [other for other in task.names if other not in chosen.effects
               and not EFFECTS[other].rubs and not redundant(other, chosen.but(name))]

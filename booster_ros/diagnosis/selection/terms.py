@@ -12,14 +12,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from booster_ros.diagnosis.estimation.fit import Fit, first_steps, fit, fit_at
+from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.discrepancy import (
     UNNAMED, Term, linear_reach, moved, terms, with_free_past)
 from booster_ros.diagnosis.hypotheses.knots import looking_closer
 from booster_ros.diagnosis.selection.decide import NOISE
-from booster_ros.diagnosis.selection.neighbours import FIRST_STEPS, fitted_to_every_row
+from booster_ros.diagnosis.selection.neighbours import FINISHED, fitted_to_every_row
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model import discrepancy as term
 
@@ -32,9 +32,6 @@ tried, and up to the second they begin where the reckoning points. For the other
 far off where much is missing. What a lag does is far from straight: it is tried whatever the
 reckoning says, and does not begin where that points.
 """
-
-LIKELY_TERMS = 4
-"""Terms that are fitted to their end: those that the first steps of a fit take furthest."""
 
 LOOKS, WORTH_A_LOOK = 3, 0.05
 """How often knots go to where a term bends, as long as that lowers the cost by so much."""
@@ -53,7 +50,7 @@ def best_terms(task: Task, root: Model, tick: Callable[[], None] = lambda: None)
               and not (task.experiment.quasi_static and one.variable in _NEED_A_CLOCK)]
     begun = _begun(problem, fit_at(problem, root.fit.z), likely)
     models = []
-    for label in sorted(begun, key=lambda name: begun[name][1].cost)[:LIKELY_TERMS]:
+    for label in sorted(begun, key=lambda name: begun[name][1].cost)[:FINISHED]:
         joint, z = _fitted(*begun[label])
         models.append(fitted_to_every_row(task, (UNNAMED + label,), joint, z))
         tick()
@@ -84,7 +81,7 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
             pointed = cost < POINTED_AT * least and not bends
             start = moved(joint, z, move) if pointed else joint.start()
             joint, start = with_free_past(joint, start)
-            begun[label] = joint, first_steps(joint, start, FIRST_STEPS)
+            begun[label] = joint, fit(joint, [start], FIRST_STEPS)
     return begun
 
 
