@@ -14,7 +14,7 @@ from booster_ros.diagnosis.estimation.fit import fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.hypotheses.regressor import followed
+from booster_ros.model.term_course import followed
 from booster_ros.diagnosis.hypotheses.discrepancy import terms, with_term
 from booster_ros.diagnosis.selection import terms as best
 from booster_ros.diagnosis.selection.neighbours import refitted

@@ -18,7 +18,7 @@ from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
 from booster_ros.diagnosis.estimation.parametrisation import Free
-from booster_ros.diagnosis.estimation.scaling import PAPER, proportion
+from booster_ros.model.scaling import PAPER, proportion
 from booster_ros.diagnosis.hypotheses.regressor import range_followed
 from booster_ros.diagnosis.hypotheses.knots import about_zero, evenly
 from booster_ros.model import discrepancy as term

@@ -26,7 +26,7 @@ import numpy as np
 
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.scaling import proportion
+from booster_ros.model.scaling import proportion
 from booster_ros.model.actuator import (
     Actuator, friction_along_travel, lower_stop, stem_force, upper_stop)
 from booster_ros.model.sensors import position_behind, pressure_behind

@@ -11,8 +11,7 @@ from booster_ros.diagnosis.data.roles import Roles, roles
 from booster_ros.diagnosis.prepare.plausibility import check_scales
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
-from booster_ros.records.holding import bridged
-from booster_ros.records.time_axis import longest_usual
+from booster_ros.records.holding import between_samples
 
 Array = np.ndarray
 
@@ -196,19 +195,6 @@ def _usable_rows(
         # a sweep of currents starts settled at its first one; only later ones were dwelt on
         usable[0] &= not role.commanded
     return usable
-
-
-def between_samples(time: Array | None, values: Array) -> Array:
-    """Return values sampled more slowly than the rows, filled except in gaps of their own."""
-    if time is None:
-        return values
-    known = time[np.isfinite(values)]
-    if len(known) < 3:
-        return values
-    after = np.searchsorted(known, time).clip(1, len(known) - 1)
-    near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
-    near &= (time >= known[0]) & (time <= known[-1])
-    return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
 
 
 def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:

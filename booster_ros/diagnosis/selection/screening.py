@@ -220,12 +220,12 @@ def _beside(reference: Reference, problem: Problem, joint: Problem) -> Reference
 
 def references(problem: Problem, found: Fit) -> list[Reference]:
     """
-    Return what to screen around: the fit, and the same effects with the parameters as given.
+    Return what to screen around: the fit, and the same effects with what is told at rest fitted.
 
     A refit without the effect may have bent the declared parameters so far to imitate it that
     the true ones are out of linear reach; the given ones are near them. But a pressure that is
-    off at every rest, as a gain may be off by a percent, hides what the given ones lack. So there
-    is a third place: what is told at rest fitted, all else as given.
+    off at every rest, as a gain may be off by a percent, hides what the given ones lack. With the
+    measured stem as a drive, nothing shifts the rests but what is looked for: it is none there.
     """
     given = problem.start()
     for j, free in enumerate(problem.freedoms):
@@ -233,10 +233,9 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
             given[j] = found.z[j]
     at_rest = [j for j, free in enumerate(problem.freedoms)
                if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
-    # with the measured stem as a drive, nothing shifts the rests but what is looked for
-    third = [fit_at(problem, _refitted(problem, given, at_rest))] if (
-        at_rest and not problem.experiment.pinned) else []
-    return [reference_at(problem, place) for place in (found, fit_at(problem, given), *third)]
+    if at_rest and not problem.experiment.pinned:
+        given = _refitted(problem, given, at_rest)
+    return [reference_at(problem, place) for place in (found, fit_at(problem, given))]
 
 
 def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
@@ -272,14 +271,12 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
 def first_steps(problem: Problem, quick: Screened) -> Fit:
     """Return where first steps lead from the starts of a screened effect: the best of these."""
     inner = range(len(problem.freedoms), len(quick.problem.freedoms))
-    found: list[Fit] = []
-    for start, cost, reference in zip(quick.starts, quick.costs, quick.around):
-        if all(cost < one.cost for one in found):
-            here = quick.problem.residuals(start)
-            slopes = np.insert(reference.jacobian, [inner.start] * len(inner), 0.0, axis=1)
-            slopes[:, inner] = quick.problem.differences(
-                start, here, inner, np.full(len(start), DIFFERENCE))
-            found.append(fit(quick.problem, [start], FIRST_STEPS, slopes=slopes))
+    found = []
+    for start, reference in zip(quick.starts, quick.around):
+        slopes = np.insert(reference.jacobian, [inner.start] * len(inner), 0.0, axis=1)
+        slopes[:, inner] = quick.problem.differences(
+            start, quick.problem.residuals(start), inner, np.full(len(start), DIFFERENCE))
+        found.append(fit(quick.problem, [start], FIRST_STEPS, slopes=slopes))
     return min(found, key=lambda one: one.cost)
 
 
