@@ -15,10 +15,6 @@ from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 
 Array = np.ndarray
 
-LAST_EVALUATIONS = 30
-"""Steps of a descent that is to go to its very end."""
-
-
 @dataclass(frozen=True, eq=False)
 class FinalFit:
     """A problem on every training row, its fit, and draws of z, shape (draws, variables)."""
@@ -37,7 +33,7 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
     if problem.observation is ROWS:
         other = nominal(problem, begin)
         starts = [begin, other] if np.any(other[:len(problem.freedoms)]) else [begin]
-        found = at_the_bottom(problem, fit(problem, starts, LAST_EVALUATIONS, SETTLED))
+        found = at_the_bottom(problem, fit(problem, starts, tolerance=SETTLED))
     else:  # a stem that sticks was fitted from what is seen above it, and takes long
         found = fit(problem, [begin])
     found = without_unseen(problem, found)

@@ -16,8 +16,8 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
-EVALUATIONS = 15
-"""Steps of a descent beside its Jacobians: most end after four to eight."""
+EVALUATIONS = 30
+"""Steps of a descent beside its Jacobians, at the most: most end after four to eight."""
 
 FIRST_STEPS = 4
 """Steps of a descent that only tells which way things go."""

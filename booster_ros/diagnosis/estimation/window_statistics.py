@@ -18,9 +18,6 @@ WINDOW = 1.0
 """Length of a window, s: many slips of a stem that sticks come in it, and few moves of the
 valve."""
 
-FEWEST_ROWS = 8
-"""Smallest number of rows of a window whose strength is told."""
-
 SCATTER = 0.25
 """What one slip more or less in a window changes in its strength, in natural logarithms."""
 
@@ -82,7 +79,7 @@ class Windows:
     @cached_property
     def told(self) -> Array:
         """Which windows are long enough for their strength to be told, shape (windows,)."""
-        return self.count >= FEWEST_ROWS
+        return self.count >= 2 * _CUBIC
 
     @cached_property
     def _freedom(self) -> Array:

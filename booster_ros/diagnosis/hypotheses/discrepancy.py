@@ -52,19 +52,13 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
 TIMES_OF_MEMORY = (0.4, 3.0, 12.0, 48.0)
 """Times of memory that are tried of a term over a change, s: a fit goes on from the best."""
 
-LONGER = 1.5
-"""Factor by which a fitted memory may get longer before the range of the table is too short."""
-
-SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
-"""Bounds of a fitted memory, s: shorter is a lag, of a longer one no record shows the end."""
-
 REACHES = (0.003, 0.01, 0.03)
 """Half-widths that are tried of a play of the booster's force, N, in the paper's booster, as times
 of memory are tried."""
 
-SHORTEST_REACH, LONGEST_REACH = 5e-4, 0.2
-"""Bounds of a fitted half-width, N: a smaller one is 0.2 kPa in the chamber, a larger one all that
-opens a seat of the paper's booster."""
+WIDER = 10.0
+"""How many times as short or as long as those that are tried a fitted memory or half-width may
+be."""
 
 UNNAMED = 'unknown: '
 """Prefix of the label of a term, where models are listed by their effects."""
@@ -73,9 +67,6 @@ _PLACES = {
     'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber',
     'ep_converter_lag': 'ep_converter'}
 """Locations as reports print them, where they differ from the table's."""
-
-SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
-"""Parts of the linear move that are tried: far away the model bends."""
 
 WIDEST = 1.0
 """
@@ -158,14 +149,12 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     reached its end: for its terms, the range that the parameters as given lead through counts as
     well. `seen` has to include the rows between the fitted ones as well: the table is zero beyond
     its range, and a run that leaves the range comes back with a chamber that knows nothing of the
-    term. For a change, the range is that of a longer memory, as a fit may find one; for a play, it
-    is that of the play itself.
+    term. For a play, it is that of the play itself.
     """
     empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
-        longer = empty._replace(memory=LONGER * one.memory)
-        low, high = range_followed(problem, reference, longer, seen)
+        low, high = range_followed(problem, reference, empty, seen)
     spread, least, most = evenly, -1e3 * one.size, 1e3 * one.size
     if one.location == term.EP_CONVERTER_LAG:
         spread, least, most = about_zero, QUICKEST, SLOWEST
@@ -180,25 +169,27 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
 def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
     """Return problem and z with the memory of a change, or the reach of a play, free as well."""
     table = joint.base.discrepancy
+    tried: tuple[float, ...]
     if table.variable in term.CHANGE_OF:
-        name, begin, low, high = 'memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY
+        name, begin, tried = 'memory', table.memory, TIMES_OF_MEMORY
     elif term.has_play(table):
         larger = _larger(joint.base, term.BOOSTER)
-        name, begin = 'reach', table.reach
-        low, high = larger * SHORTEST_REACH, larger * LONGEST_REACH
+        name, begin, tried = 'reach', table.reach, tuple(larger * reach for reach in REACHES)
     else:
         return joint, z
     where = len(joint.freedoms)
-    free = Free(Knob(f'discrepancy.{name}', begin, low, high, begin, shape=True), begin, begin)
+    free = Free(Knob(f'discrepancy.{name}', begin, min(tried) / WIDER, WIDER * max(tried), begin,
+                     shape=True), begin, begin)
     return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
 
 
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
-                 ) -> tuple[float, Array, Array, Problem]:
+                 ) -> tuple[float, Problem, Array]:
     """
     Return what a term can reach by linear reckoning.
 
-    That is the cost, z with a table of zeros, the move in z to be tried, and the term's problem.
+    That is the cost, infinite where nothing shows, the term's problem, and its Jacobian with a
+    table of zeros beside the reference.
     """
     joint = with_term(problem, reference, one, seen)
     where = len(problem.freedoms)
@@ -213,11 +204,5 @@ def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
     low, high = joint.bounds()
     move = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
     left = r + jacobian @ move
-    return float(left @ left), z, move, joint
-
-
-def moved(joint: Problem, z: Array, move: Array) -> Array:
-    """Return z after that part of the move which costs least, within the bounds."""
-    low, high = joint.bounds()
-    places = [np.clip(z + share * move, low, high) for share in SHARES]
-    return min(places, key=lambda place: joint.cost(place))
+    shows = jacobian[:data, inner].any()  # nothing does of what lies above a measured drive
+    return float(left @ left) if shows else np.inf, joint, jacobian

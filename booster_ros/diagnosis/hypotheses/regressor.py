@@ -19,7 +19,7 @@ Array = np.ndarray
 STRAY = 0.002
 """Share of the rows at either end of a variable that may be stray."""
 
-MUCH_SLOWER = 1.0 / times_as_slow(QUICKEST)
+MUCH_SLOWER = times_as_slow(-QUICKEST)
 """How many times as slow a converter is taken to be, at the most, where it is asked how far its
 back pressure may have to go: about ten."""
 

@@ -28,7 +28,7 @@ from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
 from booster_ros.diagnosis.estimation.fit import Fit, fit
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.parametrisation import label
+from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, label
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.result import Change, ChannelError, Diagnosis, FoundEffect, Moved
 from booster_ros.diagnosis.selection.decide import NOISE
@@ -50,17 +50,12 @@ declared model has to meet (a refit to less may imitate what has been missing fr
 of what is left after a change."""
 
 WORTH_CUTTING = 0.5
-"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
+"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole; and
+that a parameter may, relative to another one, if it is rather the one that changed: those held
+meanwhile are known only as well as the rows before the change tell."""
 
 WINDOW = 25
 """Number of successive rows whose mean square says whether the model misses."""
-
-ALIKE = 2.0
-"""
-Mean square that another parameter leaves, relative to the best one, below which it may as well be
-the one that changed: the parameters held meanwhile are known only as well as the rows before the
-change tell.
-"""
 
 
 def since_change(
@@ -253,12 +248,12 @@ def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
             float(free.value(moved.z[0])), left(moved)))
     tried = sorted((one for one in tried if one.left < WORTH_CUTTING * still),
                    key=lambda one: one.left)
-    return tuple(one for one in tried if one.left < ALIKE * tried[0].left)
+    return tuple(one for one in tried if WORTH_CUTTING * one.left < tried[0].left)
 
 
 def _place(parameter: str) -> str:
     """Return the location that a declared parameter belongs to."""
-    component, _, name = parameter.partition('.')
+    component = parameter.split('.')[0]
     if component != 'actuator':
         return component
-    return 'chamber' if name == 'dead_volume' else 'stem'
+    return 'chamber' if parameter in OF_THE_CHAMBER else 'stem'

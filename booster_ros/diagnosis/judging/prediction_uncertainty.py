@@ -30,8 +30,8 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment, Initial, rmse
 from booster_ros.diagnosis.estimation.least_squares import descend
-from booster_ros.diagnosis.estimation.final_fit import LAST_EVALUATIONS, FinalFit
-from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.final_fit import FinalFit
+from booster_ros.diagnosis.estimation.fit import EVALUATIONS, Fit
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import label
@@ -46,8 +46,6 @@ Model = tuple[PositionerParameters, Initial]
 
 MODELS = 32
 """Number of models that are run: they tell what is left open to 13 %, two times of three."""
-
-MOST_DRAWN = 100
 
 FEWEST = 12
 """Number of models below which nothing is said."""
@@ -163,7 +161,7 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
     low, high = (np.append(one, another[shared:])
                  for one, another in zip(first.bounds(), other.bounds()))
     both = descend(
-        residuals, jacobian, np.clip(begin, low, high), low, high, LAST_EVALUATIONS).z
+        residuals, jacobian, np.clip(begin, low, high), low, high, EVALUATIONS).z
     if first.cost(both[:own]) > first.cost(z) + AS_WELL * own:
         return {}, {}
     predicted = other.predict(both[of_other]) or {}
@@ -176,8 +174,7 @@ def _suiting(last: FinalFit) -> list[Array]:
     """Return draws, with shapes as they were found, that miss the fitted rows by hardly more."""
     problem, fit = last.problem, last.fit
     shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
-    step = max(len(last.draws) // MOST_DRAWN, 1)
-    drawn = np.clip(last.draws[::step][:MOST_DRAWN], *problem.bounds())
+    drawn = np.clip(last.draws, *problem.bounds())
     drawn[:, shapes] = fit.z[shapes]
     found: list[Array] = []
     for k in range(0, len(drawn), MODELS):

@@ -28,10 +28,13 @@ REACHED = 0.99
 """Quantile of the values of a channel that counts as reached."""
 
 LITTLE = 0.05
-"""Share of the travel, or of the supply, that is more than a tolerance. A channel that goes so far
-beyond what the declared valve can is told before a search, as that will not help. Where the
-declared model moves by more, a reading that never changes is that of a sensor, or a valve, that
-sticks fast. A pressure that stays below is in another unit, if the model says so as well."""
+"""
+Share of the travel, of the supply, or of the range of a command, that is more than a tolerance,
+than a stop yields, or than a command moves on slowly. A channel that goes so far beyond what the
+declared valve can is told before a search, as that will not help. Where the declared model moves by
+more, a reading that never changes is that of a sensor, or a valve, that sticks fast. A pressure
+that stays below is in another unit, if the model says so as well.
+"""
 
 OF_ANOTHER = 2.0
 """Multiple of the travel that a position reaches, or of the supply that even the smallest current

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.diagnosis.prepare.timestamp_jitter import DRAWS
 from booster_ros.model.system import PositionerParameters
 
@@ -24,9 +25,6 @@ Array = np.ndarray
 AHEAD = 0.2
 """What the valve has done before the row of a command, as a share of what the command does after
 it, above which commands were read now and then."""
-
-JUMP = 0.05
-"""Smallest jump of the command, relative to its range."""
 
 FEWEST = 5
 """Smallest number of jumps that tell: those before which the model moves by less than AHEAD, as a
@@ -39,7 +37,7 @@ def with_sampled_commands(experiment: Experiment, declared: PositionerParameters
         return experiment
     current = experiment.current
     following = np.append(current[1:], current[-1:])
-    jumps = np.abs(following - current) > JUMP * np.ptp(current)
+    jumps = np.abs(following - current) > LITTLE * np.ptp(current)
     rng = np.random.default_rng(1)
     runs = []
     for _ in range(DRAWS):  # what two jumps leave may cancel in one of them
@@ -72,7 +70,7 @@ def _ahead_of_commands(experiment: Experiment, declared: PositionerParameters) -
     apart = float(np.median(np.diff(experiment.time)))
     if np.ptp(current) == 0.0 or apart < declared.ep_converter.time_constant:
         return False
-    jumps = 1 + np.flatnonzero(np.abs(np.diff(current[:-1])) > JUMP * np.ptp(current))
+    jumps = 1 + np.flatnonzero(np.abs(np.diff(current[:-1])) > LITTLE * np.ptp(current))
     predicted = experiment.predict(declared)
     return any(_ahead(measured, predicted[name], jumps, experiment.noise[name])
                for name, measured in experiment.measured.items())

@@ -10,6 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.prepare.otherwise import is_otherwise
+from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.diagnosis.prepare.rows import FEWEST_ROWS
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.memory import Departure
@@ -20,11 +21,8 @@ Array = np.ndarray
 _FIRST_ROWS = 5
 """Number of first rows, which are averaged if the signal stands still in them."""
 
-_AT_STOP = 0.02
-"""Share of the travel within which a stem may rest against its stop."""
-
-_FIRST_SECONDS = 3.0
-"""Time from the first row on that tells where the converter started."""
+FIRST_SECONDS = 3.0
+"""Time from the first row on, s, that tells where the record starts."""
 
 
 def start_state(
@@ -58,7 +56,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     A record may begin with its first command while the converter is still at an earlier one. Then
     the first seconds call for a far different back pressure.
     """
-    first = experiment.until(float(experiment.time[0]) + _FIRST_SECONDS)
+    first = experiment.until(float(experiment.time[0]) + FIRST_SECONDS)
     if len(first.time) < FEWEST_ROWS:  # then it is taken as settled
         return experiment
 
@@ -95,9 +93,9 @@ def _unmeasured_pressure(
     if position is None:
         return settled
     stroke = position / declared.actuator.travel
-    if stroke < _AT_STOP:
+    if stroke < LITTLE:
         return min(settled, opens)
-    if stroke > 1.0 - _AT_STOP:
+    if stroke > 1.0 - LITTLE:
         return max(settled, opened)
     return opens + stroke * (opened - opens)
 

@@ -40,9 +40,6 @@ ranks the right effect among the first ten."""
 FINISHED = 4
 """Number of those that are fitted to their end on thinned rows."""
 
-FAR = 6.0
-"""Multiple of the best cost after the first steps from which an effect is fitted no further."""
-
 BEHIND = 4.0 * TIE
 """How far the log evidence on thinned rows may be behind the best one's for a model to be fitted to
 every row: an eighth of the rows tells an eighth of it."""
@@ -140,10 +137,9 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
     steps.sort(key=lambda step: step[1].cost)
     ended: list[Model] = []
     for name, end, joint in steps[:FINISHED]:
-        if end.cost < FAR * steps[0][1].cost:
-            # what had imitated the effect may have gone far: the best begin as given as well
-            starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
-            ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))
+        # what had imitated the effect may have gone far: the best begin as given as well
+        starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
+        ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))
         tick()
     # slips are slow to simulate, and nothing calls for them where another effect leaves noise
     if not any(one.reduced_chi2 < NOISE for one in ended):

@@ -41,8 +41,8 @@ SIZES = (0.25, 1.0, 3.0)
 LENGTHS = 4
 """Number of trials that are simulated at the size at which they should leave least."""
 
-SHORTEST, LONGEST = 1e-3, 2.0
-"""Bounds of that size, as multiples of the size that was tried."""
+LONGEST = 2.0
+"""Largest multiple of a size that was tried up to which what it does is taken to run straight."""
 
 NO_LINE = np.array([0.5])
 """Frequency, Hz, at which oscillations are tried where none stands out."""
@@ -294,7 +294,7 @@ def _tried(problem: Problem, joint: Problem, reference: Reference, e: Array) -> 
     left, z = _reach(problem, joint, reference, e)
     change = left - reference.left
     share = -float(reference.left @ change) / max(float(change @ change), 1e-300)
-    share = min(max(share, SHORTEST), LONGEST)
+    share = min(max(share, 0.0), LONGEST)
     neutral = np.where([f.knob.shape for f in free], e, _no_size(free))
     length = np.clip(neutral + share * (e - neutral), [f.low for f in free], [f.high for f in free])
     promised = reference.left + share * change
