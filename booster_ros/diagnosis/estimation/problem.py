@@ -29,7 +29,6 @@ from booster_ros.model.memory import Departure
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.start import rests_on_a_stop
-from booster_ros.model.stream import DEFAULT_TOLERANCE
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -38,9 +37,6 @@ DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
 """First step in z of the Jacobian's differences, and the bounds of later ones: a step changes the
 residuals by `Observation.visible` (norm). Below the smallest the solver's own error shows, above
 the largest columns bend."""
-
-ROUGHER = 10.0
-"""Factor on `visible` on thinned rows, where the solver's tolerance is larger as well."""
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
@@ -206,8 +202,8 @@ class Problem:
     def steps_for(self, slopes: Array) -> Array:
         """Return how far to step for differences, in z, where slopes have these norms."""
         visible = self.observation.visible
-        if self.observation is ROWS and self.experiment.tolerance > DEFAULT_TOLERANCE:
-            visible *= ROUGHER
+        if self.observation is ROWS:  # it has to stand out of the solver's own error
+            visible *= self.experiment.tolerance**2
         return _on_grid(np.clip(visible / np.maximum(slopes, 1e-9),
                                 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE))
 

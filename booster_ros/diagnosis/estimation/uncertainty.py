@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import lsq_linear
+from scipy.stats import chi2
 
 from booster_ros.diagnosis.data.blocks import FEWEST_BLOCKS
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit
@@ -25,10 +26,6 @@ hold more than this share, segments are cut as well."""
 
 WIDEST = 30.0
 """Standard deviation of a size before anything is seen of it, in typical sizes."""
-
-NOTICED = 3.84
-"""Rise of the cost from which the rows notice that a variable moves of which slopes tell nothing:
-95 % of chi square."""
 
 HALVINGS = 12
 
@@ -188,7 +185,7 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> Interva
 
 def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
     """Return how far towards its bounds a variable can go before the rows notice."""
-    most = problem.cost(fit.z) + NOTICED
+    most = problem.cost(fit.z) + chi2.ppf(LEVEL, 1)  # a likelihood ratio
 
     def unnoticed(end: float) -> bool:
         moved = fit.z.copy()

@@ -15,14 +15,13 @@ from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
 from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
-from booster_ros.diagnosis.prepare.timestamp_jitter import (
-    commands_may_be_late, with_noise_of_timing)
 from booster_ros.diagnosis.prepare.otherwise import check_taken_otherwise
 from booster_ros.diagnosis.prepare.plausibility import (
     check_bench, check_drive, out_of_reach, stands_still, without_stuck)
 from booster_ros.diagnosis.prepare.rows import FEWEST_ROWS, Rows, aligned
-from booster_ros.diagnosis.prepare.sampled_commands import with_sampled_commands
 from booster_ros.diagnosis.prepare.start_state import start_state, with_start_of_converter
+from booster_ros.diagnosis.prepare.timing import (
+    commands_may_be_late, with_noise_of_timing, with_sampled_commands)
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import between_samples, bridged, last_known

@@ -7,7 +7,7 @@ The neighbours of a model in a stepwise selection: the models with one effect mo
    which promise enough, and these are fitted.
 2. Else, screen every effect on thinned rows, take the first steps of a fit from where screening
    leads, and fit those that get furthest to their end.
-3. Fit those near the best to every row, and score them there.
+3. Fit those not told apart from the best to every row, and score them there.
 """
 
 from collections.abc import Callable
@@ -39,10 +39,6 @@ ranks the right effect among the first ten."""
 
 FINISHED = 4
 """Number of those that are fitted to their end on thinned rows."""
-
-BEHIND = 4.0 * TIE
-"""How far the log evidence on thinned rows may be behind the best one's for a model to be fitted to
-every row: an eighth of the rows tells an eighth of it."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,8 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
         return Neighbours([fitted_to_every_row(task, (*parent.effects, name), problem, z)
                            for name, problem, z in begun], [])
     thin = _begun(task, parent, wanted, tick)
-    near = [one for same in by_observation(thin) for one in near_best(same, BEHIND)]
+    # every row tells yet more than thinned ones
+    near = [one for same in by_observation(thin) for one in near_best(same, TIE)]
     found = []
     for one in near:
         found.append(one if one.problem.observation is WINDOWS else fitted_to_every_row(

@@ -1,7 +1,7 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Stepwise selection: effects are added, exchanged and deleted, by one comparison (`decide`).
+Stepwise selection: effects are added and deleted, by one comparison (`decide`).
 
 1. Refit the declared model.
 2. Ask the subsystem above the stem (fault isolation). Where it lacks nothing, only what belongs to
@@ -9,8 +9,7 @@ Stepwise selection: effects are added, exchanged and deleted, by one comparison 
 3. Add the effect with the best evidence among the neighbours, as long as the comparison accepts it.
    Of two missing effects, either alone may look like none: once, go on from the best one all the
    same, and accept both together or none.
-4. Where several effects leave more than noise, put others in the place of each; delete each effect
-   that is not called for beside the others.
+4. Of several effects, delete each that is not called for beside the others.
 5. Where much is left, smooth terms without a name compete with what was found.
 
 Every model that was compared is in the trace, with what the comparison said.
@@ -107,9 +106,7 @@ def select(task: Task, tell: Progress) -> Selection:
     chosen = _added(task, root, parent, trace, tell)
     # beside friction, what lies above the stem was judged where slips do not blur it
     if len(chosen.effects) > 1 and chosen.problem.observation is not WINDOWS:
-        tell('exchanging effects', 0.65)
-        if _leaves_structure(chosen, root):
-            chosen = _exchanged(task, chosen, trace)
+        tell('deleting effects', 0.65)
         chosen = _deleted(task, chosen, trace)
     named = chosen
     if _leaves_structure(chosen, root):
@@ -201,27 +198,6 @@ def _best(task: Task, found: list[Model]) -> Model | None:
         return best[0] if best else None
     first, second = sorted(best, key=lambda one: one.problem.observation is WINDOWS)
     return second if comparison(task, second, first, best).log_evidence > TIE else first
-
-
-def _exchanged(task: Task, chosen: Model, trace: _Trace) -> Model:
-    """
-    Return the model with another effect in the place of one of its effects, if that is better.
-
-    The first effect was chosen while the later ones were missing, and may have imitated them. In
-    the place of the last one, all others have been tried already.
-    """
-    for name in chosen.effects[:-1]:
-        if leaves_noise(chosen):
-            break
-        parent = refitted(task, chosen.but(name), chosen.fit)
-        found = neighbours(task, parent, tuple(
-            other for other in _names(task, parent) if other != name))
-        trace.models += [parent, *found.near, *found.far]
-        best = _best(task, found.near)
-        if best is not None and trace.compared(
-                task, best, chosen, found.near, 1).log_evidence > TIE:
-            chosen = best
-    return chosen
 
 
 def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
