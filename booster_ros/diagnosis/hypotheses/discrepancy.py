@@ -68,14 +68,6 @@ _PLACES = {
     'ep_converter_lag': 'ep_converter'}
 """Locations as reports print them, where they differ from the table's."""
 
-WIDEST = 1.0
-"""
-Standard deviation of the prior on a value of the table, in sizes that show. The prior keeps unseen
-knots near zero, and leaves what stays the same everywhere to the declared parameters, which hold
-beyond the table too.
-"""
-
-
 @dataclass(frozen=True)
 class Term:
     """
@@ -160,8 +152,10 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
         spread, least, most = about_zero, QUICKEST, SLOWEST
     table = empty._replace(knots=tuple(spread(low, high).tolist()))
     knob = Knob('discrepancy.values', one.size, least, most)
+    # a prior of a size that shows keeps unseen knots near zero, and leaves what stays the same
+    # everywhere to the declared parameters, which hold beyond the table too
     values_free = tuple(
-        Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
+        Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1))
     return replace(problem, base=problem.base._replace(discrepancy=table),
                    freedoms=problem.freedoms + values_free)
 

@@ -16,9 +16,6 @@ from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
-STRAY = 0.002
-"""Share of the rows at either end of a variable that may be stray."""
-
 MUCH_SLOWER = times_as_slow(-QUICKEST)
 """How many times as slow a converter is taken to be, at the most, where it is asked how far its
 back pressure may have to go: about ten."""
@@ -33,19 +30,19 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
 
 
 def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
-    """Return the lowest and the highest value of a term's variable, but for stray ones."""
+    """Return the lowest and the highest value of a term's variable."""
     if table.variable == term.BACK_PRESSURE_ERROR:
         p = reference.parameters._replace(discrepancy=table)
-        ways = np.concatenate([_simulated_errors(problem.experiment, p, slower)[seen]
-                               for slower in (1.0, MUCH_SLOWER)])
-        return np.array([np.nanmin(ways), np.nanmax(ways)])
-    values = _course(problem.experiment, reference, table, seen)[seen]
+        values = np.concatenate([_simulated_errors(problem.experiment, p, slower)[seen]
+                                 for slower in (1.0, MUCH_SLOWER)])
+    else:
+        values = _course(problem.experiment, reference, table, seen)[seen]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
         given = problem.parameters(problem.start())
         run = problem.experiment.simulate(given, reference.initial)
         read = followed(given._replace(discrepancy=table), run['time'], run.columns)
         values = np.r_[values, read[seen]]
-    return np.quantile(values[np.isfinite(values)], [STRAY, 1.0 - STRAY])
+    return np.array([np.nanmin(values), np.nanmax(values)])
 
 
 def _simulated_errors(experiment: Experiment, p: PositionerParameters, slower: float) -> Array:

@@ -28,7 +28,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial, rmse
+from booster_ros.diagnosis.data.experiment import FEWEST, Experiment, Initial, rmse
 from booster_ros.diagnosis.estimation.least_squares import descend
 from booster_ros.diagnosis.estimation.final_fit import FinalFit
 from booster_ros.diagnosis.estimation.fit import EVALUATIONS, Fit
@@ -46,9 +46,6 @@ Model = tuple[PositionerParameters, Initial]
 
 MODELS = 32
 """Number of models that are run: they tell what is left open to 13 %, two times of three."""
-
-FEWEST = 12
-"""Number of models below which nothing is said."""
 
 AS_WELL = 10.0
 """Rise of the cost, for each variable, above which a draw misses clearly more. Where intervals are

@@ -19,10 +19,6 @@ from booster_ros.model.system import PositionerParameters, depends_on_time
 
 Array = np.ndarray
 
-FULLY = 0.999
-"""Share of the largest area of a seat from which the seat is fully open."""
-
-
 def validated(
     diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()
 ) -> Diagnosis:
@@ -94,7 +90,7 @@ def _fully_open(
     run = experiment.simulate(parameters, start)
     largest = {'intake': parameters.booster.max_area,
                'exhaust': largest_exhaust_area(parameters.booster)}
-    return {seat: float(np.mean(run[f'{seat}_area'] >= FULLY * area)) if area else 0.0
+    return {seat: float(np.mean(np.isclose(run[f'{seat}_area'], area))) if area else 0.0
             for seat, area in largest.items()}
 
 

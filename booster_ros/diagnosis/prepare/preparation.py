@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from booster_ros.signals.stationary_segments import calm_pieces
-from booster_ros.diagnosis.data.experiment import DriveNoise, Experiment
+from booster_ros.diagnosis.data.experiment import FEWEST, DriveNoise, Experiment
 from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
@@ -18,7 +18,7 @@ from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.prepare.otherwise import check_taken_otherwise
 from booster_ros.diagnosis.prepare.plausibility import (
     check_bench, check_drive, out_of_reach, stands_still, without_stuck)
-from booster_ros.diagnosis.prepare.rows import FEWEST_ROWS, Rows, aligned
+from booster_ros.diagnosis.prepare.rows import Rows, aligned
 from booster_ros.diagnosis.prepare.start_state import start_state, with_start_of_converter
 from booster_ros.diagnosis.prepare.timing import (
     commands_may_be_late, with_noise_of_timing, with_sampled_commands)
@@ -159,10 +159,10 @@ def _drive_noise(name: str, sampled: Array, calm: list[slice]) -> DriveNoise:
 
 def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> None:
     rows = max(int(np.isfinite(values).sum()) for values in compared.values())
-    if rows < FEWEST_ROWS:
+    if rows < FEWEST:
         raise RecordError(
             '; '.join((f'{source}: only {rows} rows can be compared with the model, at least '
-                       f'{FEWEST_ROWS} are needed', *notes)))
+                       f'{FEWEST} are needed', *notes)))
 
 
 def _colour_notes(calm: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:

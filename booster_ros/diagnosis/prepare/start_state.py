@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.data.experiment import FEWEST, Experiment, Initial
 from booster_ros.diagnosis.prepare.otherwise import is_otherwise
 from booster_ros.diagnosis.prepare.plausibility import LITTLE
-from booster_ros.diagnosis.prepare.rows import FEWEST_ROWS
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.memory import Departure
 from booster_ros.model.system import PositionerParameters
@@ -57,7 +56,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     the first seconds call for a far different back pressure.
     """
     first = experiment.until(float(experiment.time[0]) + FIRST_SECONDS)
-    if len(first.time) < FEWEST_ROWS:  # then it is taken as settled
+    if len(first.time) < FEWEST:  # then it is taken as settled
         return experiment
 
     def started(departure: float) -> Experiment:

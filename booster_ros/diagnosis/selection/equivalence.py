@@ -62,7 +62,8 @@ def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:
     most = 2.0 * TIE * chosen.score.dispersion * whole.observed / max(chosen.problem.observed, 1)
 
     def cost(other: str) -> float:
-        return first_steps(rest, screen(rest, around, other)).cost - known
+        quick = screen(rest, around, other)
+        return first_steps(rest, quick).cost - known if quick.starts else np.inf
 
     others = [other for other in task.names if other not in chosen.effects
               and not EFFECTS[other].rubs and not redundant(other, chosen.but(name))]

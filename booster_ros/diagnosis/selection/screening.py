@@ -20,6 +20,7 @@ For one small size, on every row, this is the score test of an effect (C. R. Rao
 Soc. 44 (1948) 50).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 import itertools
 
@@ -43,9 +44,6 @@ LENGTHS = 4
 
 LONGEST = 2.0
 """Largest multiple of a size that was tried up to which what it does is taken to run straight."""
-
-NO_LINE = np.array([0.5])
-"""Frequency, Hz, at which oscillations are tried where none stands out."""
 
 ABOVE_NOISE = 15.0
 """Multiple of the median power above which a line stands out: of noise, 1 in 30000 does."""
@@ -89,7 +87,7 @@ def _no_size(free: tuple[Free, ...]) -> Array:
     return np.array([f.without_size for f in free])
 
 
-def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[float, ...]
+def _sizes_to_try(free: tuple[Free, ...], frequencies: Iterable[float], multiples: tuple[float, ...]
                   ) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.frequency for f in free):
@@ -122,7 +120,7 @@ def _shapes_to_try(free: tuple[Free, ...]) -> list[Array]:
     return [np.array(shaped) for shaped in itertools.product(*values)]
 
 
-def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
+def _oscillations(free: tuple[Free, ...], frequencies: Iterable[float]) -> list[Array]:
     """Return trials of an oscillation: the residual's strongest frequencies, four phases."""
     trials = []
     for frequency, phase in itertools.product(frequencies, (0.0, 1.571, 3.142, -1.571)):
@@ -143,7 +141,7 @@ def strong_frequencies(problem: Problem, z: Array) -> Array:
     predicted = problem.predict(z)
     time = problem.experiment.time
     if predicted is None or len(time) < 32:
-        return NO_LINE
+        return np.empty(0)
     name = problem.experiment.channels[0]
     residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
     even = np.linspace(time[0], time[-1], len(time))  # thinned rows are dense where steps are
@@ -162,7 +160,7 @@ def strong_frequencies(problem: Problem, z: Array) -> Array:
             k = int(np.argmax(ranking))
             found.append(float(frequency[k]))
             ranking[max(k - 3 * PADDING, 0):k + 3 * PADDING + 1] = 0.0
-    return np.array(sorted(set(found) - {0.0})) if any(found) else NO_LINE
+    return np.array(sorted(set(found) - {0.0}))
 
 
 @dataclass(frozen=True)
@@ -249,7 +247,7 @@ def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
     return found
 
 
-def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array = NO_LINE,
+def screen(problem: Problem, around: list[Reference], name: str, frequencies: Iterable[float] = (),
            multiples: tuple[float, ...] = SIZES) -> Screened:
     """Return the best of some sizes of an effect on top of a fitted problem, for each reference."""
     joint = with_effect(problem, EFFECTS[name])
