@@ -23,7 +23,7 @@ from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, label_of, place_of
 from booster_ros.diagnosis.hypotheses.knots import with_gentle_ends
-from booster_ros.diagnosis.hypotheses.regressor import beyond
+from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The final estimate of a chosen model: every training row, to the very end, and how sure it is."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -62,7 +62,4 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     for j in problem.idle(shapes, z):
         z = z.copy()
         z[j] = problem.freedoms[j].without_size
-    if z is found.z:
-        return found
-    return replace(fit_at(problem, z, found.jacobian), agreeing=found.agreeing,
-                   starts=found.starts)
+    return found if z is found.z else fit_at(problem, z, found.jacobian)

@@ -3,7 +3,7 @@
 """The one way to estimate: bounded least squares (Gauss-Newton, trust region) from given starts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -29,11 +29,7 @@ deviation of the noise, half a unit of log likelihood."""
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """
-    An estimate: z, parameters and start at z, the cost there, residuals and Jacobian.
-
-    `agreeing` counts the starts that ended in a place as good as this, of `starts` in all.
-    """
+    """An estimate: z, parameters and start at z, the cost there, residuals and Jacobian."""
 
     freedoms: tuple[Free, ...]
     z: Array
@@ -42,8 +38,6 @@ class Fit:
     cost: float
     residuals: Array = field(repr=False)
     jacobian: Array = field(repr=False)
-    agreeing: int = 1
-    starts: int = 1
 
     @property
     def seen(self) -> Array:
@@ -78,16 +72,14 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
                        np.clip(begin, low + margin, high - margin), low, high, evaluations,
                        tolerance, slopes)
 
-    ends = [descended(begin) for begin in (starts if len(starts) else [problem.start()])]
-    best = min(ends, key=lambda end: end.cost)
+    best = min(map(descended, starts if len(starts) else [problem.start()]),
+               key=lambda end: end.cost)
     if evaluations > FIRST_STEPS:
         beyond = place_beyond(problem.residuals, best.z, best.jacobian, _inactive(problem, best),
                               (low, high))
         if beyond is not None:
             best = min(best, descended(beyond), key=lambda end: end.cost)
-    found = fit_at(problem, best.z, best.jacobian)
-    return replace(found, starts=len(ends), agreeing=max(sum(
-        end.cost < found.cost + NOTICEABLE for end in ends), 1))
+    return fit_at(problem, best.z, best.jacobian)
 
 
 def _inactive(problem: Problem, end: Descent) -> dict[int, float]:

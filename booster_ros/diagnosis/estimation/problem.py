@@ -19,10 +19,9 @@ from functools import cached_property
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment, Initial
-from booster_ros.diagnosis.estimation.observation import ROWS, Observation
+from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Windows
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
-from booster_ros.diagnosis.estimation.window_statistics import Windows
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure

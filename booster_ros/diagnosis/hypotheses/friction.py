@@ -1,11 +1,21 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where fits of dry friction begin: the best of a grid.
+Where fits of dry friction begin: from the valve signature, then over a grid.
+
+The force on the stem that the chamber pressure leaves beside spring, seat and process,
+
+    F = A(x) p - F_spring(x) - c dx/dt,
+
+is what dry friction holds. While a stem creeps one way in slips, F rises until the stem breaks away
+and falls as it slips: a saw-tooth, whose upper end is the break-away friction and whose lower end
+lies at the sliding friction or below. Its moments give both (method of moments): of a saw, which is
+spread evenly, the ends are sqrt(3) standard deviations from the mean; the average over both
+directions takes out a spring that is preloaded otherwise.
 
 The statistics of windows have several minima over friction. So sliding friction and stiction are
-tried over a grid, for a packing that yields and for one that does not, then closer around the best
-of each; each trial takes one run of the model.
+tried over a grid around the moments, for a packing that yields and for one that does not; each
+trial takes one run of the model.
 (Stick-slip of a slowly driven mass: B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083.)
 """
 
@@ -16,21 +26,36 @@ import numpy as np
 
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.model.actuator import (
+    Actuator, friction_along_travel, lower_stop, stem_force, upper_stop)
 from booster_ros.model.scaling import proportion
+from booster_ros.model.sensors import position_behind, pressure_behind
 
 Array = np.ndarray
 
-SLIDING = (75.0, 120.0, 190.0, 300.0, 475.0, 755.0, 1200.0)
-"""Values of sliding friction that are tried, N, in a valve of the paper's size: closer trials reach
-half of the way to the next."""
+BESIDE = 0.4
+"""Time before and after a row, s, over which the stem has to go the same way: some slips."""
+
+BEYOND_NOISE = 6.0
+"""How far it has to go in that time, in standard deviations of the position's noise."""
+
+FEWEST = 30
+"""Number of rows, one way, below which nothing is read of the signature."""
+
+SLIDING = (75.0, 150.0, 300.0, 600.0, 1200.0)
+"""Values of sliding friction that are tried, N, in a valve of the paper's size: each twice the one
+before, as closer trials reach half of the way to the next."""
 
 BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
 """Values of stiction that are tried, as shares of the sliding friction."""
 
-KEPT, CLOSER = 2, (0.1, 0.04)
+SLIDING_SHARES = (0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
+"""Shares of the break-away friction of the signature that are tried as sliding friction."""
+
+KEPT, KEPT_CLOSER, CLOSER = 3, 2, ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
 """
-Number of best trials of a kind around which closer ones follow, and the steps of these, round by
-round: of the sliding friction, as a share of it, and of the share that breaks away.
+Number of best trials around which closer ones follow, at first and later, and the steps of these,
+round by round: of the sliding friction, as a share of it, and of the share that breaks away.
 """
 
 DAMPINGS = (0.3, 0.6)
@@ -45,8 +70,8 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
     """
     Return where to begin with dry friction, all else as it is at z; z alone if none is free.
 
-    The best of the grid for a packing that yields and one that does not; for each damping where it
-    yields. The start is as given.
+    The friction of the signature, for a packing that yields and one that does not, and the best of
+    the grid; for each damping where the packing yields. The start is as given.
     """
     if not any(free.knob.rubs for free in problem.freedoms):
         return [z]
@@ -54,21 +79,26 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
     def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
         several = list(dict.fromkeys(trials))
         costs = side_by_side(lambda one: problem.cost(_placed(problem, z, *one)), several)
-        return sorted(zip(costs, several))[:KEPT]
+        return sorted(zip(costs, several))
 
     larger = proportion(problem.base, 'actuator', 'N')
-    places: list[Array] = []
-    for yields in (False, True):
-        best = tried(itertools.product(
-            [larger * force for force in SLIDING], BREAKING_AWAY, [yields]))
-        for step in CLOSER:
-            best = sorted({*best, *tried(
-                (force * (1.0 + step * j), max(share + step * k, 0.0), yields)
-                for _, (force, share, _) in best
-                for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))})[:KEPT]
-        for _, one in best:
-            places += _dampings(problem, _placed(problem, z, *one))
-    return places
+    trials = [*itertools.product([larger * force for force in SLIDING], BREAKING_AWAY,
+                                 (False, True))]
+    read = signature_friction(problem, z)
+    if read is not None:
+        # where it breaks away is read well; how far it falls below that hangs on how far it slips
+        low, breaking = max(read[0], 0.1 * read[1]), read[1]
+        trials += [(sliding, breaking / sliding - 1.0, yields) for yields in (False, True)
+                   for sliding in (low, *(share * breaking for share in SLIDING_SHARES))]
+    best = tried(trials)[:KEPT]
+    for step, more in CLOSER:
+        best = sorted({one[1]: one for _, (force, share, yields) in best for one in tried(
+            (force * (1.0 + step * j), max(share + more * k, 0.0), yields)
+            for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))}.values())[:KEPT_CLOSER]
+    places = [one for _, one in best]
+    if read is not None:
+        places += [(low, breaking / low - 1.0, yields) for yields in (False, True)]
+    return [place for one in places for place in _dampings(problem, _placed(problem, z, *one))]
 
 
 def _placed(problem: Problem, z: Array, sliding: float, share: float, yields: bool) -> Array:
@@ -102,3 +132,51 @@ def _dampings(problem: Problem, z: Array) -> list[Array]:
     for place, damping in zip(places, DAMPINGS):
         place[damped] = problem.freedoms[damped].variable(damping)
     return places
+
+
+def signature_friction(problem: Problem, z: Array) -> tuple[float, float] | None:
+    """
+    Return sliding and break-away friction of the counted rows, N, with all else as it is at z.
+
+    None where pressure or position was not measured, or where too few rows show the stem go.
+    """
+    experiment, p = problem.experiment, problem.parameters(z)
+    if not {'chamber_pressure', 'valve_position'} <= set(experiment.measured):
+        return None
+    readings = experiment.measured['valve_position']
+    position = np.array([position_behind(p.sensors, x) for x in readings])
+    ends = []
+    for way in (1.0, -1.0):
+        rows, speed = _rows_going(problem, position, p.actuator, way)
+        if np.count_nonzero(rows) < FEWEST:
+            continue
+        held = np.array([
+            way * stem_force(p.actuator, pressure_behind(p.sensors, reading), x, v, 0.0)
+            - friction_along_travel(p.actuator, x) for reading, x, v in zip(
+                experiment.measured['chamber_pressure'][rows], position[rows], speed[rows])])
+        low, high = p.actuator.bench_set
+        blurred = p.actuator.effective_area * np.hypot(
+            experiment.noise['chamber_pressure'],
+            (high - low) / p.actuator.travel * experiment.noise['valve_position'])
+        reach = float(np.sqrt(3.0 * max(np.var(held) - blurred**2, 0.0)))
+        middle = float(np.mean(held))
+        ends.append((max(middle - reach, 0.0), max(middle + reach, 0.0)))
+    if not ends or not np.any(ends):
+        return None
+    low, high = np.mean(ends, axis=0)
+    return float(low), float(high)
+
+
+def _rows_going(problem: Problem, position: Array, act: Actuator, way: float
+                ) -> tuple[Array, Array]:
+    """Return the rows around which the stem goes this way, as a mask, and its mean speed, m/s."""
+    experiment, known = problem.experiment, np.isfinite(position)
+    time = experiment.time
+    earlier, later = (np.interp(time + beside, time[known], position[known])
+                      for beside in (-BESIDE, BESIDE)) if known.any() else (position, position)
+    least = BEYOND_NOISE * experiment.noise['valve_position']
+    rows = (problem.rows & (position > lower_stop(act) + least)
+            & (position < upper_stop(act) - least)
+            & np.isfinite(experiment.measured['chamber_pressure'])
+            & (way * (position - earlier) > least) & (way * (later - position) > least))
+    return rows, (later - earlier) / (2.0 * BESIDE)

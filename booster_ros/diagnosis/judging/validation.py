@@ -13,7 +13,7 @@ from booster_ros.diagnosis.judging.prediction_uncertainty import with_left_open
 from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.prepare.start_state import FIRST_SECONDS
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, errors_of
-from booster_ros.diagnosis.hypotheses.regressor import beyond
+from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
 
