@@ -109,7 +109,7 @@ def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
         return reach(problem, reference, one, rows)
 
     monkeypatch.setattr(best, 'linear_reach', noted)
-    monkeypatch.setattr(best, 'FINISHED', 0)
+    monkeypatch.setattr(best, 'BEST', 0)
     monkeypatch.setattr(best, 'WITHIN_REACH', 0.0)
     task = task_of(experiment)
     assert best.best_terms(task, as_given(task)) == []

@@ -85,7 +85,7 @@ def test_a_term_that_the_test_set_speaks_against_is_not_in_the_model(stays, monk
             for name, values in experiment.measured.items()})
     task = replace(task_of(experiment), places=frozenset({'stem'}))
     root = refitted(task)
-    monkeypatch.setattr(best, 'FINISHED', 1)
+    monkeypatch.setattr(best, 'BEST', 1)
     (term,) = best.best_terms(task, root)
     selection = Selection(root, term, root, (root, term), ())
     block = training_blocks(task.segments, len(experiment.time))

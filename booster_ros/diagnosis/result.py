@@ -244,8 +244,9 @@ HARDLY_TOLD = 0.8
 """Width of the interval of a parameter, relative to that of its tolerance, above which a record
 hardly tells the parameter."""
 
-MOVED = 2.0
-"""Number of tolerances: a record does tell a parameter that it has moved so far."""
+FAR_OFF = 2.0
+"""Number of standard deviations, of a tolerance or of what is left open, that is more than chance:
+a record does tell a parameter that it has moved so far."""
 
 
 @dataclass(frozen=True)
@@ -276,7 +277,7 @@ class Refitted:
     @property
     def hardly_told(self) -> bool:
         """Whether the record tells it hardly closer than it was known before."""
-        return self.width > HARDLY_TOLD and abs(self.away_after) < MOVED
+        return self.width > HARDLY_TOLD and abs(self.away_after) < FAR_OFF
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,10 @@ from booster_ros.model.parameters import DESCRIPTIONS
 Array = np.ndarray
 
 DRAWS = 400
+"""Number of draws: ten of them lie beyond either end of an interval."""
+
 LEVEL = 0.95
+"""Confidence of intervals, and of decisions: the usual one."""
 
 FEW, IN_FEW = 3, 0.9
 """Number of segments, and share of what is known of the size of an effect: where so few segments

@@ -23,7 +23,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import AVERAGED, Experiment
 from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
 from booster_ros.diagnosis.estimation.fit import Fit, fit
@@ -53,9 +53,6 @@ WORTH_CUTTING = 0.5
 """Largest mean square that the diagnosis of the rest may leave, relative to that of the whole; and
 that a parameter may, relative to another one, if it is rather the one that changed: those held
 meanwhile are known only as well as the rows before the change tell."""
-
-WINDOW = 25
-"""Number of successive rows whose mean square says whether the model misses."""
 
 
 def since_change(
@@ -134,7 +131,7 @@ def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
         return None
     end, fit = met
     squares = _squares(experiment, fit)
-    row = _first_missed(squares, max(end - WINDOW, 0))  # a change may lie in the last rows met
+    row = _first_missed(squares, max(end - AVERAGED, 0))  # a change may lie in the last rows met
     if row is None:
         return None
     return Change(
@@ -150,12 +147,12 @@ def _first_missed(squares: Array, begin: int) -> int | None:
     (E. S. Page, Biometrika 41 (1954) 100).
     """
     known = begin + np.flatnonzero(np.isfinite(squares[begin:]))
-    if len(known) < WINDOW:
+    if len(known) < AVERAGED:
         return None
-    missed = np.convolve(squares[known], np.full(WINDOW, 1.0 / WINDOW), 'valid') > MUCH
+    missed = np.convolve(squares[known], np.full(AVERAGED, 1.0 / AVERAGED), 'valid') > MUCH
     if not missed.any():
         return None
-    until = int(np.argmax(missed)) + WINDOW
+    until = int(np.argmax(missed)) + AVERAGED
     walk = np.cumsum(np.append(0.0, squares[known[:until]] - MUCH))
     return int(known[np.argmin(walk[:until])])
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from booster_ros.signals.stationary_segments import calm_pieces
-from booster_ros.diagnosis.data.experiment import FEWEST, DriveNoise, Experiment
+from booster_ros.diagnosis.data.experiment import AVERAGED, FEWEST, DriveNoise, Experiment
 from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
@@ -27,9 +27,6 @@ from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import between_samples, bridged, last_known
 
 Array = np.ndarray
-
-QUIETING = 25
-"""Number of samples of a measured drive that are averaged to see what its noise adds."""
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9}
@@ -200,7 +197,7 @@ def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters
         return experiment
     # noise on top of noise would move a booster whose two seats differ by another amount
     quiet = replace(experiment, pinned={
-        name: uniform_filter1d(values, QUIETING * experiment.drive_noise[name].every)
+        name: uniform_filter1d(values, AVERAGED * experiment.drive_noise[name].every)
         for name, values in experiment.pinned.items()})
     still = quiet.predict(declared)
     moved = quiet.shaken(experiment.drive_noise, np.random.default_rng(1)).predict(declared)

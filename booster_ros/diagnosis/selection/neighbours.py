@@ -25,7 +25,7 @@ from booster_ros.diagnosis.hypotheses.friction import friction_starts
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
-    SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
+    BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.diagnosis.selection.task import (
     Model, Task, by_observation, near_best, upstream_task)
 from booster_ros.model.catalogue import EFFECTS
@@ -36,9 +36,6 @@ Tick = Callable[[], None]
 BEGUN, FRICTION_STARTS = 10, 2
 """Number of screened effects that get first steps of a fit, and of starts of friction: screening
 ranks the right effect among the first ten."""
-
-FINISHED = 4
-"""Number of those that are fitted to their end on thinned rows."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +117,7 @@ def _small(task: Task, parent: Model, names: list[str]) -> list[tuple[str, Probl
     least = found.cost - 2.0 * TIE * parent.score.dispersion
     hopeful = sorted((one for one in screened if one.cost < least), key=lambda one: one.cost)
     return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.starts[0])
-            for one in hopeful[:FINISHED]]
+            for one in hopeful[:BEST]]
 
 
 def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Model]:
@@ -133,7 +130,7 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
         tick()
     steps.sort(key=lambda step: step[1].cost)
     ended: list[Model] = []
-    for name, end, joint in steps[:FINISHED]:
+    for name, end, joint in steps[:BEST]:
         # what had imitated the effect may have gone far: the best begin as given as well
         starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
         ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))

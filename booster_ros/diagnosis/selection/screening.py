@@ -39,8 +39,9 @@ Array = np.ndarray
 SIZES = (0.25, 1.0, 3.0)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
 
-LENGTHS = 4
-"""Number of trials that are simulated at the size at which they should leave least."""
+BEST = 4
+"""Number of the best ones that go on: of trials, to be simulated at the size at which they should
+leave least; of effects and terms, to be fitted to their end."""
 
 LONGEST = 2.0
 """Largest multiple of a size that was tried up to which what it does is taken to run straight."""
@@ -256,7 +257,7 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: It
     for reference in (_beside(one, problem, joint) for one in around):
         trials = [_tried(problem, joint, reference, e)
                   for e in _sizes_to_try(free, frequencies, multiples)]
-        further = sorted(trials, key=lambda trial: trial.promised)[:LENGTHS]
+        further = sorted(trials, key=lambda trial: trial.promised)[:BEST]
         trials += [_lengthened(problem, joint, reference, trial) for trial in further]
         if trials:
             best = min(trials, key=lambda trial: trial.cost)

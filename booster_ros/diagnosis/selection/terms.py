@@ -17,7 +17,8 @@ from booster_ros.diagnosis.hypotheses.discrepancy import (
     UNNAMED, Term, linear_reach, terms, with_free_past)
 from booster_ros.diagnosis.hypotheses.knots import looking_closer
 from booster_ros.diagnosis.selection.decide import NOISE
-from booster_ros.diagnosis.selection.neighbours import FINISHED, fitted_to_every_row
+from booster_ros.diagnosis.selection.neighbours import fitted_to_every_row
+from booster_ros.diagnosis.selection.screening import BEST
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model import discrepancy as term
 
@@ -41,7 +42,7 @@ def best_terms(task: Task, root: Model) -> list[Model]:
               and not (task.experiment.quasi_static and one.variable in _NEED_A_CLOCK)]
     begun = _begun(problem, fit_at(problem, root.fit.z), likely)
     models = []
-    for label in sorted(begun, key=lambda name: begun[name][1].cost)[:FINISHED]:
+    for label in sorted(begun, key=lambda name: begun[name][1].cost)[:BEST]:
         joint, z = _fitted(*begun[label])
         models.append(fitted_to_every_row(task, (UNNAMED + label,), joint, z))
     order = list(begun)
