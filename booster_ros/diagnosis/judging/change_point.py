@@ -30,7 +30,8 @@ from booster_ros.diagnosis.estimation.fit import Fit, fit
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, label
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.result import Change, ChannelError, Diagnosis, FoundEffect, Moved
+from booster_ros.diagnosis.result import (
+    FAR_OFF, Change, ChannelError, Diagnosis, FoundEffect, Moved)
 from booster_ros.diagnosis.selection.decide import NOISE
 from booster_ros.diagnosis.selection.stepwise import Progress
 from booster_ros.diagnosis.selection.task import THINNING, thinned
@@ -40,7 +41,7 @@ from booster_ros.records import Record, RecordError
 
 Array = np.ndarray
 
-MUCH = 4.0
+MUCH = FAR_OFF * FAR_OFF
 """Mean square, in multiples of the noise's, that a diagnosis has to leave before a change is
 looked for; for the record to be cut, so much has to be left of the used rows."""
 

@@ -48,10 +48,6 @@ Model = tuple[PositionerParameters, Initial]
 MODELS = 32
 """Number of models that are run: they tell what is left open to 13 %, two times of three."""
 
-MOST = 0.5
-"""Share of the square of what is left open that one parameter, by itself, has to exceed to make
-most of it."""
-
 
 def models_alike(last: FinalFit) -> Alike | None:
     """Return models, out of the draws of z, that suit the record as well as the last one does."""
@@ -100,7 +96,7 @@ def with_left_open(
     return {name: error if name not in total else replace(
         error, left_open=total[name], unforeseen=beyond[name], mostly={
             one: found.get(one, np.nan) for one, moved in alone.items()
-            if moved[name]**2 > MOST * total[name]**2})
+            if moved[name]**2 > 0.5 * total[name]**2})  # most of it
             for name, error in errors.items()}
 
 

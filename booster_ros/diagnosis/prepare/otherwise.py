@@ -23,6 +23,7 @@ from dataclasses import replace
 import itertools
 
 import numpy as np
+from scipy.constants import day, hour, micro, milli, minute, nano
 from scipy.optimize import minimize_scalar
 from scipy.stats import spearmanr
 
@@ -47,8 +48,8 @@ SMALLEST = 1e-12
 
 PRESSURES = ('supply_pressure', 'back_pressure', 'chamber_pressure')
 
-SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'minutes': 60.0,
-           'hours': 3600.0, 'days': 86400.0}
+SECONDS = {'nanoseconds': nano, 'microseconds': micro, 'milliseconds': milli, 'minutes': minute,
+           'hours': hour, 'days': day}
 USUAL_STEP = (1e-3, 1.0)
 """Usual distance of rows in seconds, below the second. Time is in another unit only if rows are not
 so far apart, and would be in that unit."""

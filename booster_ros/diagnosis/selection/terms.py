@@ -17,16 +17,12 @@ from booster_ros.diagnosis.hypotheses.discrepancy import (
     UNNAMED, Term, linear_reach, terms, with_free_past)
 from booster_ros.diagnosis.hypotheses.knots import looking_closer
 from booster_ros.diagnosis.selection.decide import NOISE
-from booster_ros.diagnosis.selection.neighbours import fitted_to_every_row
+from booster_ros.diagnosis.selection.neighbours import BEGUN, fitted_to_every_row
 from booster_ros.diagnosis.selection.screening import BEST
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model import discrepancy as term
 
 Array = np.ndarray
-
-WITHIN_REACH = 5.0
-"""Multiple of the least cost that a term reaches by linear reckoning up to which terms are tried.
-What a lag does is far from straight: it is tried whatever the reckoning says."""
 
 WORTH_A_LOOK = 0.05
 """Knots go to where a term bends as long as that lowers the cost by so much."""
@@ -51,7 +47,7 @@ def best_terms(task: Task, root: Model) -> list[Model]:
 
 def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tuple[Problem, Fit]]:
     """
-    Return the first steps with each term that may explain much, in the order of `terms`.
+    Return the first steps with each term that reaches furthest, in the order of `terms`.
 
     Of the same term with several pasts, the one that reaches furthest. Steps begin with the
     declared parameters as given: those that were fitted without the term have imitated it. Terms
@@ -62,13 +58,13 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
             lambda one: linear_reach(problem, reference, one, problem.rows), likely)):
         if np.isfinite(reach[0]) and reach[0] < reached.get(one.label, (np.inf,))[0]:
             reached[one.label] = reach
-    least = min((cost for cost, *_ in reached.values()), default=0.0)
+    furthest = sorted(reached, key=lambda name: reached[name][0])[:BEGUN]
     begun = {}
     last = f' over {term.VARIABLES[term.TIME]}'
     for label in sorted(reached, key=lambda name: name.endswith(last)):
-        cost, joint, slopes = reached[label]
-        bends = joint.base.discrepancy.location == term.EP_CONVERTER_LAG
-        if bends or cost < WITHIN_REACH * least:
+        _, joint, slopes = reached[label]
+        # what a lag does is far from straight: it is tried whatever the reckoning says
+        if label in furthest or joint.base.discrepancy.location == term.EP_CONVERTER_LAG:
             joint, start = with_free_past(joint, joint.start())
             if len(start) > slopes.shape[1]:  # a past has no slope while the table has none
                 slopes = np.insert(slopes, len(joint.freedoms) - 1, 0.0, axis=1)
