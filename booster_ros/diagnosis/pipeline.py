@@ -44,6 +44,7 @@ from booster_ros.records import RecordError
 Array = np.ndarray
 Runs = dict[str, dict[str, Array]]
 
+
 def diagnose(
     experiment: Experiment, declared: PositionerParameters, progress: Progress | None = None,
     notes: tuple[str, ...] = (), names: Collection[str] = tuple(EFFECTS),

@@ -15,6 +15,7 @@ from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 
 Array = np.ndarray
 
+
 @dataclass(frozen=True, eq=False)
 class FinalFit:
     """A problem on every training row, its fit, and draws of z, shape (draws, variables)."""

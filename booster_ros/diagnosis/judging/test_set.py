@@ -12,6 +12,7 @@ from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.result import ChannelError
 from booster_ros.diagnosis.selection.decide import NOISE
 
+
 def without_test_set(experiment: Experiment, segments: list[Segment]) -> Experiment:
     """Return the experiment without the values of the test set, by which nothing may be chosen."""
     rows = rows_of(segments, 'train', len(experiment.time))

@@ -19,6 +19,7 @@ from booster_ros.model.system import PositionerParameters, depends_on_time
 
 Array = np.ndarray
 
+
 def validated(
     diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()
 ) -> Diagnosis:

@@ -11,7 +11,7 @@ truth, on average over all noise:
 
 1. the measured values are replaced by the prediction of the fit;
 2. the effect is taken out, all else stays;
-3. every other effect is screened in its place.
+3. every other effect is screened in its place, and the best of them take the first steps of a fit.
 
 Where that cost is less than what tells models apart, no fit to this record can decide.
 """
@@ -27,6 +27,7 @@ from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant
 from booster_ros.diagnosis.selection.decide import TIE
+from booster_ros.diagnosis.selection.neighbours import BEGUN
 from booster_ros.diagnosis.selection.screening import first_steps, reference_at, screen
 from booster_ros.diagnosis.selection.stepwise import Selection, comparison
 from booster_ros.diagnosis.selection.task import Model, Task
@@ -61,13 +62,13 @@ def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:
     # thinned rows tell so much less than all of them
     most = 2.0 * TIE * chosen.score.dispersion * whole.observed / max(chosen.problem.observed, 1)
 
-    def cost(other: str) -> float:
-        quick = screen(rest, around, other)
-        return first_steps(rest, quick).cost - known if quick.starts else np.inf
-
     others = [other for other in task.names if other not in chosen.effects
               and not EFFECTS[other].rubs and not redundant(other, chosen.but(name))]
-    return [other for other, more in zip(others, side_by_side(cost, others)) if more < most]
+    quick = side_by_side(lambda other: screen(rest, around, other), others)
+    quick = sorted((one for one in quick if one.starts), key=lambda one: one.cost)[:BEGUN]
+    ends = side_by_side(lambda one: first_steps(rest, one), quick)
+    found = {one.effect for one, end in zip(quick, ends) if end.cost - known < most}
+    return [other for other in others if other in found]
 
 
 def _as_predicted(problem: Problem, z: Array) -> Experiment:

@@ -32,6 +32,7 @@ from booster_ros.diagnosis.estimation.problem import Problem
 
 Array = np.ndarray
 
+
 @dataclass(frozen=True, eq=False)
 class Score:
     """
