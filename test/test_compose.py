@@ -5,7 +5,8 @@
 from made_task import P, problem_of, seen
 import pytest
 
-from booster_ros.diagnosis.hypotheses.compose import redundant, shapes_of, sizes_of, with_effects
+from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
+from booster_ros.model.catalogue import EFFECTS
 
 
 @pytest.mark.parametrize(('name', 'present', 'said'), [
@@ -23,15 +24,9 @@ def test_each_parameter_is_free_once():
     problem = problem_of(seen(P), 'stem_friction', 'position_dependent_friction')
     names = [(free.knob.parameter, free.element) for free in problem.freedoms]
     assert len(names) == len(set(names))
-    assert sizes_of('stem_friction') <= {name for name, _ in names}
+    assert {knob.parameter for knob in EFFECTS['stem_friction'].knobs if not knob.shape} <= {
+        name for name, _ in names}
     assert with_effects(problem, ('stem_friction',)).freedoms == problem.freedoms
-
-
-def test_sizes_and_shapes_are_all_there_is_of_an_effect():
-    assert sizes_of('ep_drift') == {'ep_converter.drift'}
-    assert shapes_of('ep_drift') == {'ep_converter.drift_time_constant'}
-    with pytest.raises(KeyError):
-        sizes_of('creep')
 
 
 def test_beside_an_effect_that_loosens_them_declared_parameters_have_wider_priors():

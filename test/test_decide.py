@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.selection.decide import (
-    ODDS, TIE, Comparison, accepted, compare, standing, why_not)
+    TIE, Comparison, accepted, compare, standing, why_not)
 from booster_ros.diagnosis.selection.score import Score
 
 
@@ -21,16 +21,16 @@ ONE_BLOCK = 'its gain rests on a single block of the record'
 
 
 @pytest.mark.parametrize(('evidence', 'without_best', 'candidates', 'answer', 'reason'), [
-    (log(ODDS) + 0.01, 10.0, 1, True, ''),
-    (log(ODDS) - 0.01, 10.0, 1, False, TOO_LITTLE),
-    (log(ODDS) + 0.01, 10.0, 2, False, TOO_LITTLE),
-    (log(ODDS) + log(60) + 0.01, 10.0, 60, True, ''),
-    (log(ODDS) + log(60) - 0.01, 10.0, 60, False, TOO_LITTLE),
+    (TIE + 0.01, 10.0, 1, True, ''),
+    (TIE - 0.01, 10.0, 1, False, TOO_LITTLE),
+    (TIE + 0.01, 10.0, 2, False, TOO_LITTLE),
+    (TIE + log(60) + 0.01, 10.0, 60, True, ''),
+    (TIE + log(60) - 0.01, 10.0, 60, False, TOO_LITTLE),
     (1e6, TIE + 0.01, 1, True, ''),
     (1e6, TIE - 0.01, 1, False, ONE_BLOCK),
     (1e6, -5.0, 60, False, ONE_BLOCK),
     (-3.0, -5.0, 60, False, TOO_LITTLE),
-    (log(ODDS) + 0.01, 10.0, 0, True, ''),  # no candidate is counted as one
+    (TIE + 0.01, 10.0, 0, True, ''),  # no candidate is counted as one
 ])
 def test_a_model_is_accepted_by_its_evidence_and_by_more_than_one_block(
         evidence, without_best, candidates, answer, reason):

@@ -14,7 +14,7 @@ from booster_ros.diagnosis.estimation.fit import fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.hypotheses.regressor import followed
+from booster_ros.model.term_course import followed
 from booster_ros.diagnosis.hypotheses.discrepancy import terms, with_term
 from booster_ros.diagnosis.selection import terms as best
 from booster_ros.diagnosis.selection.neighbours import refitted
@@ -109,8 +109,8 @@ def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
         return reach(problem, reference, one, rows)
 
     monkeypatch.setattr(best, 'linear_reach', noted)
-    monkeypatch.setattr(best, 'LIKELY_TERMS', 0)
-    monkeypatch.setattr(best, 'WITHIN_REACH', 0.0)
+    monkeypatch.setattr(best, 'BEST', 0)
+    monkeypatch.setattr(best, 'BEGUN', 0)
     task = task_of(experiment)
     assert best.best_terms(task, as_given(task)) == []
     assert 'stem over valve_position' in tried_labels
@@ -124,7 +124,7 @@ def test_what_lies_upstream_of_a_measured_drive_is_no_place(measured, monkeypatc
     if measured:
         run = simulate(P, experiment.time, experiment.current, {'chamber_pressure': 1.7e5})
         experiment = replace(experiment, pinned={'back_pressure': run['back_pressure']})
-    monkeypatch.setattr(best, 'WITHIN_REACH', np.inf)
+    monkeypatch.setattr(best, 'BEGUN', None)
     monkeypatch.setattr(best, 'FIRST_STEPS', 1)
     task = task_of(experiment)
     problem = task.problem()

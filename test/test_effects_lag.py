@@ -6,7 +6,7 @@ import numpy as np
 from positioner_runs import current_for, positioner, rows, settled_at
 import pytest
 
-from booster_ros.diagnosis.hypotheses.regressor import followed
+from booster_ros.model.term_course import followed
 from booster_ros.model.ep_converter import QUICKEST, SLOWEST
 from booster_ros.model.simulation import simulate
 

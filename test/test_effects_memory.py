@@ -8,7 +8,7 @@ import pytest
 
 from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.hypotheses.regressor import followed
+from booster_ros.model.term_course import followed
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import Plant, simulate
 

@@ -7,7 +7,7 @@ from positioner_runs import (
     current_for, legs, positioner, rows, settled_at, triangle)
 import pytest
 
-from booster_ros.diagnosis.hypotheses.regressor import followed
+from booster_ros.model.term_course import followed
 from booster_ros.model.discrepancy import interpolate
 from booster_ros.model.memory import CENTRED, Departure
 from booster_ros.model.simulation import Plant, simulate

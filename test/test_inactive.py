@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.estimation import fit as fit_module
-from booster_ros.diagnosis.estimation.fit import first_steps, fit as best_fit
+from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, fit as best_fit
 from booster_ros.diagnosis.estimation.inactive import place_beyond
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
@@ -59,7 +59,7 @@ def test_only_declared_parameters_that_move_nothing_are_moved_and_not_in_first_s
     asked = []
     monkeypatch.setattr(fit_module, 'place_beyond', lambda *args: asked.append(args[3]))
     problem, opening = made(P.booster.max_area, 'supply_ripple')
-    first_steps(problem, problem.start(), 4)
+    best_fit(problem, [problem.start()], FIRST_STEPS)
     assert asked == []
     best_fit(problem, evaluations=10)
     assert asked == [{opening: 1.0}]

@@ -67,7 +67,7 @@ def test_a_bumper_that_few_even_knots_meet_is_met_by_knots_that_gather(monkeypat
     monkeypatch.setattr(best, 'terms', lambda *valve: [
         one for one in terms(*valve) if one.label == 'stem over valve_position'])
     (closer,) = best.best_terms(task, root)
-    monkeypatch.setattr(best, 'LOOKS', 0)
+    monkeypatch.setattr(best, 'NOISE', np.inf)
     (even,) = best.best_terms(task, root)
     assert closer.reduced_chi2 < 1.3
     assert even.reduced_chi2 > 1.5 * closer.reduced_chi2

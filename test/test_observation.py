@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
-from booster_ros.diagnosis.estimation.window_statistics import Windows
+from booster_ros.diagnosis.estimation.observation import Windows
 from booster_ros.diagnosis.hypotheses.compose import with_effects
 
 FRICTION = {'actuator.coulomb_friction': 380.0, 'actuator.stiction': 130.0,

@@ -9,6 +9,7 @@ from made_task import (
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.data.experiment import FEWEST
 from booster_ros.diagnosis.estimation.final_fit import FinalFit
 from booster_ros.diagnosis.estimation.fit import fit
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
@@ -16,7 +17,7 @@ from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom, label, put
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 from booster_ros.diagnosis.judging.prediction_uncertainty import (
-    FEWEST, MODELS, models_alike, with_left_open)
+    MODELS, models_alike, with_left_open)
 from booster_ros.diagnosis.result import Alike, ChannelError, errors_of
 
 MILD = np.array([3.9, 4.0, 3.95, 4.05, 4.0, 4.1, 4.05, 4.0, 3.95, 3.9])

@@ -7,7 +7,7 @@ from made_record import misses, record_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.prepare.timestamp_jitter import commands_may_be_late
+from booster_ros.diagnosis.prepare.timing import commands_may_be_late
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.simulation import simulate
 

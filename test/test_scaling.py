@@ -11,7 +11,7 @@ import pytest
 
 from booster_ros.diagnosis.pipeline import diagnose
 from booster_ros.diagnosis.estimation.parametrisation import effect_freedom
-from booster_ros.diagnosis.estimation.scaling import PAPER, in_proportion, proportion
+from booster_ros.model.scaling import PAPER, in_proportion, proportion
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.hypotheses.discrepancy import terms
 from booster_ros.model.catalogue import EFFECTS

@@ -14,7 +14,7 @@ from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import effect_freedom, put
 from booster_ros.diagnosis.selection import screening
 from booster_ros.diagnosis.selection.screening import (
-    promise, reference_at, references, screen, strong_frequencies, with_chord_steps)
+    first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.model.catalogue import EFFECTS, Knob
 
 
@@ -48,11 +48,12 @@ def test_a_ripple_far_below_the_typical_size_is_screened_as_what_it_is(bins):
     found = strong_frequencies(problem, problem.start())
     assert np.min(np.abs(found - frequency)) < 0.2 / TIME[-1]
     around = references(problem, fit_at(problem, problem.start()))
-    quick = with_chord_steps(problem, screen(problem, around, 'supply_ripple', found))
+    quick = screen(problem, around, 'supply_ripple', found)
+    ended = first_steps(problem, quick)
     without = float(np.sum(problem.residuals(problem.start())**2))
     noise = problem.observed
-    assert quick.cost - noise < 0.15 * (without - noise)
-    sizes = dict(zip((f.knob.parameter for f in quick.problem.freedoms), quick.starts[0]))
+    assert ended.cost - noise < 0.15 * (without - noise)
+    sizes = dict(zip((f.knob.parameter for f in quick.problem.freedoms), ended.z))
     free = {f.knob.parameter: f for f in quick.problem.freedoms}
     assert free['supply.ripple'].value(sizes['supply.ripple']) == pytest.approx(ripple, rel=0.1)
 
@@ -75,8 +76,8 @@ def promised(plant, effect, frequencies):
     """Return the parameters at which an effect promises most for the record of a plant."""
     problem = task_of(seen(plant)).problem()
     reference = reference_at(problem, fit_at(problem, problem.start()))
-    found = promise(problem, reference, effect, frequencies)
-    return found.problem.parameters(found.start)
+    found = screen(problem, [reference], effect, frequencies, (0.25,))
+    return found.problem.parameters(found.starts[0])
 
 
 def test_a_new_effect_that_repeats_itself_is_tried_at_the_frequencies_that_were_found(monkeypatch):
@@ -111,9 +112,8 @@ def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is
         plant = put(plant, f'tubing.{name}', value)
     problem = problem_of(steps_seen(plant, STEPS[:8], 1.2e5, seed=5))
     places = references(problem, fit(problem))
-    before, after = (with_chord_steps(problem, screen(
-        problem, some, 'tubing_restriction', np.array([0.5]))).cost
-        for some in (places[:2], places))
+    before, after = (first_steps(problem, screen(problem, some, 'tubing_restriction')).cost
+                     for some in (places[:2], places))
     assert after < 1.3 * problem.observed
     assert after <= before
 
@@ -128,8 +128,8 @@ def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
         plant = put(plant, name, value)
     beside = problem_of(steps_seen(plant, STEPS[:8], 1.7e5, seed=3), 'ep_hysteresis')
     found = fit(beside, evaluations=30)
-    seen_as = with_chord_steps(beside, screen(
-        beside, references(beside, found), 'tubing_restriction', np.array([0.5])))
+    seen_as = first_steps(beside, screen(
+        beside, references(beside, found), 'tubing_restriction'))
     assert found.cost > 1.2 * beside.observed
     assert seen_as.cost < 1.05 * beside.observed
 
@@ -139,10 +139,10 @@ def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_rec
     problem = problem_of(steps_seen(
         put(P, 'booster.exhaust_gain_ratio', 0.6), STEPS[:8], 1.7e5, seed=7))
     refit = fit(problem)
-    found = with_chord_steps(problem, screen(
-        problem, references(problem, refit), 'exhaust_asymmetry', np.array([0.5])))
+    found = screen(problem, references(problem, refit), 'exhaust_asymmetry')
     assert list(found.costs) == sorted(found.costs)
-    reached = min(float(np.sum(found.problem.residuals(z)**2)) for z in found.starts)
-    assert reached < 0.5 * refit.cost
+    ended = first_steps(problem, found)
+    assert ended.cost == pytest.approx(float(np.sum(found.problem.residuals(ended.z)**2)))
+    assert ended.cost < 0.5 * refit.cost
     low, high = found.problem.bounds()
     assert all((low <= z).all() and (z <= high).all() for z in found.starts)

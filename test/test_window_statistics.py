@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.estimation.window_statistics import FEWEST_ROWS, Windows
+from booster_ros.diagnosis.estimation.observation import Windows
 
 TIME = 0.01 * np.arange(6000)
 RAMP = 4.0 * TIME
@@ -44,7 +44,7 @@ def test_a_valve_that_does_not_slip_is_as_strong_as_its_noise():
 
 
 def test_windows_with_few_rows_have_a_mean_alone():
-    few = np.concatenate([TIME[:100], 1.0 + TIME[:FEWEST_ROWS - 1], 2.0 + TIME[:100]])
+    few = np.concatenate([TIME[:100], 1.0 + TIME[:7], 2.0 + TIME[:100]])
     windows = Windows.of(few, np.random.default_rng(2).standard_normal(len(few)))
     assert len(windows.means(0.0 * few)) == 3
     assert len(windows.strengths(0.0 * few)) == 2

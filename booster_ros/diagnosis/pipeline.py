@@ -18,23 +18,23 @@ from booster_ros.diagnosis.data.blocks import (
     rows_of, split, split_sweep, training_blocks)
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
-from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
+from booster_ros.diagnosis.estimation.parametrisation import get, label
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, label_of, place_of
 from booster_ros.diagnosis.hypotheses.knots import with_gentle_ends
-from booster_ros.diagnosis.hypotheses.regressor import beyond
+from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, TraceStep, UnknownTerm,
+    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, UnknownTerm,
     either, errors_of)
-from booster_ros.diagnosis.selection.decide import LARGE, compare, standing
+from booster_ros.diagnosis.selection.decide import LARGE, TIE, Comparison, compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.stepwise import (
     Progress, Selection, comparison, explained, select)
-from booster_ros.diagnosis.selection.task import PLACES, Model, Task
+from booster_ros.diagnosis.selection.task import PLACES, Model, Task, near_best
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import NONE
 from booster_ros.model.parameters import DESCRIPTIONS
@@ -43,11 +43,6 @@ from booster_ros.records import RecordError
 
 Array = np.ndarray
 Runs = dict[str, dict[str, Array]]
-
-NEAR_LIMIT = 0.01
-"""Distance of a declared parameter from an end of its range, relative to the way there from the
-given value, below which it is at that end: a fit comes near the ends of a range from the inside
-and does not touch them."""
 
 
 def diagnose(
@@ -159,7 +154,7 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
          *_replaced(task.declared, after.fit.parameters),
          *chance(experiment, after.fit.parameters, after.fit.initial, 'this record')),
         refused=refused, start=after.fit.initial, decided=decided, alike=models,
-        trace=_trace(selection))
+        trace=selection.trace)
 
 
 def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:
@@ -170,13 +165,6 @@ def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:
     nearest = min(terms, key=lambda one: one.reduced_chi2)
     table = UnknownTerm(nearest.fit.parameters.discrepancy)
     return Refused(place_of(table.table.location), table.variable, None, 0.0), nearest
-
-
-def _trace(selection: Selection) -> tuple[TraceStep, ...]:
-    return tuple(TraceStep(
-        step.effects, step.against, step.reduced_chi2, step.found.log_evidence, step.found.gain,
-        step.found.standard_error, step.found.dispersion, step.outcome)
-        for step in selection.trace)
 
 
 def _suspects(selection: Selection, chosen: Model) -> tuple[Suspect, ...]:
@@ -204,17 +192,21 @@ def _found(task: Task, selection: Selection, chosen: Model, after: FinalFit,
                 after.problem, after.draws, after.fit, index)
             cornered |= not free.knob.shape and at_bound(free, after.fit.z[index])
     without = _without(selection, chosen, name)
-    said = comparison(task, chosen, without, [])
     share = min(max(explained(chosen, selection.root) - explained(without, selection.root), 0.0),
                 1.0)
     return FoundEffect(
         name, effect.location, parameters, alike(task, selection, chosen, name),
         effect.separating_experiment,
-        {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
-         'log_evidence': said.log_evidence, 'gain': said.gain,
-         'gain_standard_error': said.standard_error, 'dispersion': said.dispersion},
+        _evidence(chosen, without, comparison(task, chosen, without, [])),
         standing(share, chosen.reduced_chi2, cornered, stands(held_out),
                  beside=len(chosen.effects) > 1), share)
+
+
+def _evidence(chosen: Model, without: Model, said: Comparison) -> dict[str, float]:
+    """Return the figures on which a finding rests."""
+    return {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
+            'log_evidence': said.log_evidence, 'gain': said.gain,
+            'gain_standard_error': said.standard_error, 'dispersion': said.dispersion}
 
 
 def _without(selection: Selection, chosen: Model, name: str) -> Model:
@@ -227,18 +219,14 @@ def _without(selection: Selection, chosen: Model, name: str) -> Model:
 def _nameless(place: str, selection: Selection, term: Model, held_out: dict[str, ChannelError]
               ) -> FoundEffect:
     """Return a finding without a name in this place, with the terms that tell of it as well."""
-    said = compare(term.score, selection.root.score, term.score.dispersion)
     rivals = tuple(
-        one.effects[0].removeprefix(UNNAMED) for one in selection.models
-        if _unnamed(one) and one is not term
-        and term.score.log_evidence(said.dispersion) - one.score.log_evidence(said.dispersion)
-        < np.log(20.0))
+        one.effects[0].removeprefix(UNNAMED) for one in near_best(
+            [one for one in selection.models if _unnamed(one)], TIE) if one is not term)
     share = min(max(explained(term, selection.root), 0.0), 1.0)
     return FoundEffect(
         'unknown', place, {}, rivals, '',
-        {'misfit_without': selection.root.reduced_chi2, 'misfit_with': term.reduced_chi2,
-         'log_evidence': said.log_evidence, 'gain': said.gain,
-         'gain_standard_error': said.standard_error, 'dispersion': said.dispersion},
+        _evidence(term, selection.root, compare(
+            term.score, selection.root.score, term.score.dispersion)),
         standing(share, term.reduced_chi2, False, stands(held_out)), share)
 
 
@@ -259,11 +247,6 @@ def _replaced(declared: PositionerParameters, found: PositionerParameters) -> tu
             'longer in the model: a model holds one, and the one that was found took its place',)
 
 
-def _at_limit(free: Free, z: float) -> bool:
-    """Tell whether a declared parameter ended at either end of what a refit allows."""
-    return any(abs(z - end) < NEAR_LIMIT * abs(end) for end in (free.low, free.high))
-
-
 def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, ...]:
     rows = []
     places = {(free.knob.parameter, free.element): j
@@ -273,7 +256,7 @@ def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, 
         j = places[name, element]
         looser = after.problem.freedoms[j]  # its prior may be looser beside an effect
         z = looser.variable(get(after.fit.parameters, name, element))
-        at_limit = _at_limit(looser, z)
+        at_limit = at_bound(looser, z)
         low = high = np.nan
         if not at_limit:
             interval = interval_of(after.problem, after.draws, after.fit, j)

@@ -11,6 +11,7 @@ from booster_ros.diagnosis.data.experiment import UNITS, Experiment, Initial, rm
 from booster_ros.diagnosis.data.blocks import Segment
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.uncertainty import Interval
+from booster_ros.diagnosis.selection.decide import TraceStep
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
@@ -37,26 +38,6 @@ class FoundEffect:
     evidence: dict[str, float]
     standing: str = 'candidate'
     explained: float = float('nan')
-
-
-@dataclass(frozen=True)
-class TraceStep:
-    """
-    A step of the selection: a model against another.
-
-    `log_evidence` and `gain` (of log likelihood, with its standard error over blocks) are tempered
-    by `dispersion`, + where the first model is better; `reduced_chi2` is what that one leaves, in
-    squares of the noise.
-    """
-
-    effects: tuple[str, ...]
-    against: tuple[str, ...]
-    reduced_chi2: float
-    log_evidence: float
-    gain: float
-    gain_standard_error: float
-    dispersion: float
-    outcome: str
 
 
 def either(effect: FoundEffect) -> str:
@@ -263,8 +244,9 @@ HARDLY_TOLD = 0.8
 """Width of the interval of a parameter, relative to that of its tolerance, above which a record
 hardly tells the parameter."""
 
-MOVED = 2.0
-"""Number of tolerances: a record does tell a parameter that it has moved so far."""
+FAR_OFF = 2.0
+"""Number of standard deviations, of a tolerance or of what is left open, that is more than chance:
+a record does tell a parameter that it has moved so far."""
 
 
 @dataclass(frozen=True)
@@ -295,7 +277,7 @@ class Refitted:
     @property
     def hardly_told(self) -> bool:
         """Whether the record tells it hardly closer than it was known before."""
-        return self.width > HARDLY_TOLD and abs(self.away_after) < MOVED
+        return self.width > HARDLY_TOLD and abs(self.away_after) < FAR_OFF
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..diagnosis.data.experiment import rmse
-from ..diagnosis.estimation.scaling import in_proportion
+from ..model.scaling import in_proportion
 from ..diagnosis.result import AS_GOOD_AS_MEASURED, Diagnosis, Interval
 from ..model.catalogue import EFFECTS, Knob
 from ..model.system import PositionerParameters

@@ -4,6 +4,8 @@
 
 import numpy as np
 
+from .time_axis import longest_usual
+
 Array = np.ndarray
 
 
@@ -26,3 +28,16 @@ def bridged(time: Array, values: Array) -> Array:
     """Return the values with a straight line across missing ones; at least one must be known."""
     known = np.isfinite(values)
     return np.interp(time, time[known], values[known])
+
+
+def between_samples(time: Array | None, values: Array) -> Array:
+    """Return values sampled more slowly than the rows, filled except in gaps of their own."""
+    if time is None:
+        return values
+    known = time[np.isfinite(values)]
+    if len(known) < 3:
+        return values
+    after = np.searchsorted(known, time).clip(1, len(known) - 1)
+    near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
+    near &= (time >= known[0]) & (time <= known[-1])
+    return np.where(near | np.isfinite(values), bridged(time, values), np.nan)

@@ -9,7 +9,7 @@ from pathlib import PurePath
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
-from booster_ros.diagnosis.prepare.timestamp_jitter import commands_may_be_late
+from booster_ros.diagnosis.prepare.timing import commands_may_be_late
 from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
 from booster_ros.report import figures, interactive
 from booster_ros.report.engineering import number, scale_of, si_text

@@ -10,7 +10,7 @@ import numpy as np
 from booster_ros.diagnosis.data.experiment import UNITS
 from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.result import Diagnosis
-from booster_ros.diagnosis.hypotheses.regressor import followed
+from booster_ros.model.term_course import followed
 from booster_ros.model import discrepancy
 from booster_ros.report.engineering import Scale, scale_of
 from booster_ros.report.names import channel_label

@@ -26,9 +26,8 @@ FEWEST_ROWS = 4
 """Smallest number of rows of a segment, which counts where rows are seconds apart."""
 
 FEWEST = {'train': 4, 'test': 1}
-FINEST = 32
-"""Smallest number of blocks of each role in a record, and the largest factor by which a short
-record is cut into pieces shorter than SHORTEST and LONGEST for that."""
+"""Smallest number of blocks of each role in a record; a short one is cut into shorter pieces than
+SHORTEST and LONGEST for that."""
 
 SWEEP_ROWS, TESTED_OF_SWEEP = 2, 7
 """Rows in a block of a sweep without time; one of so many of its blocks is for testing."""
@@ -68,7 +67,7 @@ def split(time: Array, drive: Array) -> list[Segment]:
     clock = _clock_without_gaps(time)
     changes = np.union1d(drive_changes(clock, drive), np.flatnonzero(np.diff(clock) == 0.0) + 1)
     division = 1
-    while division <= FINEST:
+    while division <= len(time):  # no finer than rows
         segments = _cut(clock, changes, SHORTEST / division, LONGEST / division)
         count = Counter(segment.role for segment in segments)
         if all(count[role] >= fewest for role, fewest in FEWEST.items()):

@@ -31,6 +31,12 @@ Factor on the solver's tolerance where rows are thinned: it makes an error of 1 
 below any noise, at two thirds of the time.
 """
 
+FEWEST = 12
+"""Number of values, of rows to compare or of draws, below which nothing is told by them."""
+
+AVERAGED = 25
+"""Number of rows, or samples, whose mean shows what noise hides: it has a fifth of the noise."""
+
 ARRIVED = 0.05
 """Share of the time for which a row of a sweep is dwelt on, after which its drives have
 arrived."""

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The final estimate of a chosen model: every training row, to the very end, and how sure it is."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from booster_ros.diagnosis.estimation.svd_differences import at_the_bottom
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 
 Array = np.ndarray
-
-LAST_EVALUATIONS = 30
-"""Steps of a descent that is to go to its very end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +34,7 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
     if problem.observation is ROWS:
         other = nominal(problem, begin)
         starts = [begin, other] if np.any(other[:len(problem.freedoms)]) else [begin]
-        found = at_the_bottom(problem, fit(problem, starts, LAST_EVALUATIONS, SETTLED))
+        found = at_the_bottom(problem, fit(problem, starts, tolerance=SETTLED))
     else:  # a stem that sticks was fitted from what is seen above it, and takes long
         found = fit(problem, [begin])
     found = without_unseen(problem, found)
@@ -66,7 +63,4 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     for j in problem.idle(shapes, z):
         z = z.copy()
         z[j] = problem.freedoms[j].without_size
-    if z is found.z:
-        return found
-    return replace(fit_at(problem, z, found.jacobian), agreeing=found.agreeing,
-                   starts=found.starts)
+    return found if z is found.z else fit_at(problem, z, found.jacobian)

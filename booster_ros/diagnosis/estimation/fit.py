@@ -3,7 +3,7 @@
 """The one way to estimate: bounded least squares (Gauss-Newton, trust region) from given starts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,8 +16,11 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 
-EVALUATIONS = 15
-"""Steps of a descent beside its Jacobians: most end after four to eight."""
+EVALUATIONS = 30
+"""Steps of a descent beside its Jacobians, at the most: most end after four to eight."""
+
+FIRST_STEPS = 4
+"""Steps of a descent that only tells which way things go."""
 
 NOTICEABLE = 1.0
 """Change of the residuals (norm), or of the cost, that is no more than chance: one standard
@@ -26,11 +29,7 @@ deviation of the noise, half a unit of log likelihood."""
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """
-    An estimate: z, parameters and start at z, the cost there, residuals and Jacobian.
-
-    `agreeing` counts the starts that ended in a place as good as this, of `starts` in all.
-    """
+    """An estimate: z, parameters and start at z, the cost there, residuals and Jacobian."""
 
     freedoms: tuple[Free, ...]
     z: Array
@@ -39,8 +38,6 @@ class Fit:
     cost: float
     residuals: Array = field(repr=False)
     jacobian: Array = field(repr=False)
-    agreeing: int = 1
-    starts: int = 1
 
     @property
     def seen(self) -> Array:
@@ -57,13 +54,15 @@ def fit_at(problem: Problem, z: Array, jacobian: Array | None = None) -> Fit:
 
 
 def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALUATIONS,
-        tolerance: float = CONVERGED) -> Fit:
+        tolerance: float = CONVERGED, slopes: Array | None = None) -> Fit:
     """
     Return the best of the descents of a problem from several starts (default: as given).
 
     A descent ends where cost and variables change by less than `tolerance` (relative), or after so
-    many evaluations. From the best end another one begins where a declared parameter that moves
-    nothing there would begin to move something (`inactive`).
+    many evaluations: after FIRST_STEPS it tells which way things go, and is no estimate. `slopes`
+    is a Jacobian to begin with, which need not be quite that of the starts. From the best end
+    another descent begins where a declared parameter that moves nothing there would begin to move
+    something (`inactive`).
     """
     low, high = problem.bounds()
     margin = 1e-6 * np.minimum(high - low, 1.0)
@@ -71,26 +70,16 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
     def descended(begin: Array) -> Descent:
         return descend(problem.residuals, problem.jacobian,
                        np.clip(begin, low + margin, high - margin), low, high, evaluations,
-                       tolerance)
+                       tolerance, slopes)
 
-    ends = [descended(begin) for begin in (starts if len(starts) else [problem.start()])]
-    best = min(ends, key=lambda end: end.cost)
-    beyond = place_beyond(problem.residuals, best.z, best.jacobian, _inactive(problem, best),
-                          (low, high))
-    if beyond is not None:
-        best = min(best, descended(beyond), key=lambda end: end.cost)
-    found = fit_at(problem, best.z, best.jacobian)
-    return replace(found, starts=len(ends), agreeing=max(sum(
-        end.cost < found.cost + NOTICEABLE for end in ends), 1))
-
-
-def first_steps(problem: Problem, begin: Array, evaluations: int) -> Fit:
-    """Return where a few steps lead, to tell which way things go; it is no estimate."""
-    low, high = problem.bounds()
-    margin = 1e-6 * np.minimum(high - low, 1.0)
-    end = descend(problem.residuals, problem.jacobian,
-                  np.clip(begin, low + margin, high - margin), low, high, evaluations)
-    return fit_at(problem, end.z, end.jacobian)
+    best = min(map(descended, starts if len(starts) else [problem.start()]),
+               key=lambda end: end.cost)
+    if evaluations > FIRST_STEPS:
+        beyond = place_beyond(problem.residuals, best.z, best.jacobian, _inactive(problem, best),
+                              (low, high))
+        if beyond is not None:
+            best = min(best, descended(beyond), key=lambda end: end.cost)
+    return fit_at(problem, best.z, best.jacobian)
 
 
 def _inactive(problem: Problem, end: Descent) -> dict[int, float]:

@@ -26,7 +26,8 @@ AWAY = (-2.0, -1.0, 1.0, 2.0)
 """Steps to where a parameter may move something, in standard deviations of its prior."""
 
 BY_CHANCE = 10.0
-"""Fall of the cost up to which it is taken for chance, in mean squares of what is left."""
+"""Change of the cost for each variable up to which it is taken for chance, in mean squares of what
+is left: one where residuals are white, and some times that where they are coloured."""
 
 
 def place_beyond(residuals: Residuals, z: Array, jacobian: Array, dormant: Mapping[int, float],

@@ -58,12 +58,11 @@ class Descent:
 class _Slopes:
     """Residuals where they were last asked for, and the Jacobian, which follows the steps."""
 
-    def __init__(self, residuals: Residuals, differences: Differences):
-        self._residuals, self._differences = residuals, differences
-        self._jacobian: Array | None = None
+    def __init__(self, residuals: Residuals, differences: Differences, begun: Array | None):
+        self._residuals, self._differences, self._jacobian = residuals, differences, begun
         self._here: tuple[Array, Array] | None = None
         self._asked: tuple[Array, Array] | None = None
-        self.corrected = False
+        self.corrected = begun is not None
 
     def residuals(self, v: Array) -> Array:
         for place in (self._asked, self._here):
@@ -98,28 +97,30 @@ class _Slopes:
 
 
 def descend(residuals: Residuals, differences: Differences, begin: Array, low: Array, high: Array,
-            evaluations: int, converged: float = CONVERGED) -> Descent:
+            evaluations: int, converged: float = CONVERGED, slopes: Array | None = None
+            ) -> Descent:
     """
     Return where, downhill from `begin`, the squared residuals are least between `low` and `high`.
 
     `differences` forms a Jacobian from a place, the residuals there, and an earlier Jacobian or
     None; `evaluations` is the largest number of evaluations beside those that form Jacobians,
-    `converged` the relative change at which the descent ends. Variables are of order one.
+    `converged` the relative change at which the descent ends, `slopes` a Jacobian to begin with,
+    which need not be quite that of `begin`. Variables are of order one.
     """
-    slopes = _Slopes(lambda v: residuals(v - _SHIFT),
-                     lambda v, r, before: differences(v - _SHIFT, r, before))
+    known = _Slopes(lambda v: residuals(v - _SHIFT),
+                    lambda v, r, before: differences(v - _SHIFT, r, before), slopes)
     v, cost = begin + _SHIFT, np.inf
     while True:
         found = least_squares(
-            slopes.residuals, v, slopes.jacobian, bounds=(low + _SHIFT, high + _SHIFT),
+            known.residuals, v, known.jacobian, bounds=(low + _SHIFT, high + _SHIFT),
             max_nfev=evaluations, ftol=converged, xtol=converged, method='trf')
         v = found.x
         evaluations -= found.nfev - 1
-        ended = not slopes.corrected or cost - found.cost < converged * cost
+        ended = not known.corrected or cost - found.cost < converged * cost
         if ended or evaluations < 2:
             return Descent(v - _SHIFT, 2.0 * found.cost, found.jac)
         cost = found.cost
-        slopes.renew(v)
+        known.renew(v)
 
 
 def straight(q: Array, upper: Array, r: Array, room: tuple[Array, Array]) -> Array:

@@ -12,24 +12,22 @@ what is known beforehand of declared parameters and of the start. Variables are 
 parameters, then those of the start.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment, Initial
-from booster_ros.diagnosis.estimation.observation import ROWS, Observation
+from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Windows
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
-from booster_ros.diagnosis.estimation.window_statistics import Windows
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.start import rests_on_a_stop
-from booster_ros.model.stream import DEFAULT_TOLERANCE
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -38,9 +36,6 @@ DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
 """First step in z of the Jacobian's differences, and the bounds of later ones: a step changes the
 residuals by `Observation.visible` (norm). Below the smallest the solver's own error shows, above
 the largest columns bend."""
-
-ROUGHER = 10.0
-"""Factor on `visible` on thinned rows, where the solver's tolerance is larger as well."""
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
@@ -183,6 +178,16 @@ class Problem:
         """
         steps = np.full(len(z), DIFFERENCE) if before is None else self.steps_for(
             np.linalg.norm(before, axis=0))
+        silent = self._silent(z)
+        columns = np.zeros((len(here), len(z)))
+        told = [j for j in range(len(z)) if j not in silent]
+        columns[:, told] = self.differences(z, here, told, steps)
+        for j in silent:  # such a variable moves what is known of it alone
+            columns[len(here) + j - len(z), j] = 1.0 / self.sigma[j]
+        return columns
+
+    def differences(self, z: Array, here: Array, which: Sequence[int], steps: Array) -> Array:
+        """Return the columns of some variables in the Jacobian, by such steps in each variable."""
         _, high = self.bounds()
 
         def column(j: int) -> Array:
@@ -191,20 +196,13 @@ class Problem:
             moved[j] += step
             return (self.residuals(moved) - here) / step
 
-        silent = self._silent(z)
-        columns = np.zeros((len(here), len(z)))
-        told = [j for j in range(len(z)) if j not in silent]
-        for j, change in zip(told, side_by_side(column, told)):
-            columns[:, j] = change
-        for j in silent:  # such a variable moves what is known of it alone
-            columns[len(here) + j - len(z), j] = 1.0 / self.sigma[j]
-        return columns
+        return np.reshape(side_by_side(column, which), (len(which), len(here))).T
 
     def steps_for(self, slopes: Array) -> Array:
         """Return how far to step for differences, in z, where slopes have these norms."""
         visible = self.observation.visible
-        if self.observation is ROWS and self.experiment.tolerance > DEFAULT_TOLERANCE:
-            visible *= ROUGHER
+        if self.observation is ROWS:  # it has to stand out of the solver's own error
+            visible *= self.experiment.tolerance**2
         return _on_grid(np.clip(visible / np.maximum(slopes, 1e-9),
                                 SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE))
 

@@ -78,5 +78,4 @@ def at_the_bottom(problem: Problem, fit: Fit) -> Fit:
     low, high = problem.bounds()
     step = lsq_linear(slopes, -fit.residuals, (low - fit.z, high - fit.z)).x
     further = fit_at(problem, fit.z + step, slopes)
-    best = further if further.cost < fit.cost else replace(fit, jacobian=slopes)
-    return replace(best, agreeing=fit.agreeing, starts=fit.starts)
+    return further if further.cost < fit.cost else replace(fit, jacobian=slopes)

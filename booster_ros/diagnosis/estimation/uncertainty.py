@@ -5,7 +5,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import brentq, lsq_linear
+from scipy.stats import chi2
 
 from booster_ros.diagnosis.data.blocks import FEWEST_BLOCKS
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit
@@ -17,7 +18,10 @@ from booster_ros.model.parameters import DESCRIPTIONS
 Array = np.ndarray
 
 DRAWS = 400
+"""Number of draws: ten of them lie beyond either end of an interval."""
+
 LEVEL = 0.95
+"""Confidence of intervals, and of decisions: the usual one."""
 
 FEW, IN_FEW = 3, 0.9
 """Number of segments, and share of what is known of the size of an effect: where so few segments
@@ -26,14 +30,9 @@ hold more than this share, segments are cut as well."""
 WIDEST = 30.0
 """Standard deviation of a size before anything is seen of it, in typical sizes."""
 
-NOTICED = 3.84
-"""Rise of the cost from which the rows notice that a variable moves of which slopes tell nothing:
-95 % of chi square."""
-
-HALVINGS = 12
-
 AT_BOUND = 1e-2
-"""Distance of a size from its bound, relative to its range, below which it has run into it."""
+"""Distance of a size from its bound, relative to its range, below which it has run into it, and to
+which it is told how far it may go."""
 
 
 @dataclass(frozen=True)
@@ -188,21 +187,18 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> Interva
 
 def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
     """Return how far towards its bounds a variable can go before the rows notice."""
-    most = problem.cost(fit.z) + NOTICED
+    most = problem.cost(fit.z) + chi2.ppf(LEVEL, 1)  # a likelihood ratio
 
-    def unnoticed(end: float) -> bool:
+    def noticed(end: float) -> float:
         moved = fit.z.copy()
         moved[index] = end
-        return problem.cost(moved) < most
+        return problem.cost(moved) - most
 
     def furthest(bound: float) -> float:
-        if unnoticed(bound):
+        if noticed(bound) < 0.0:
             return bound
-        inside, outside = float(fit.z[index]), bound
-        for _ in range(HALVINGS):
-            middle = 0.5 * (inside + outside)
-            inside, outside = (middle, outside) if unnoticed(middle) else (inside, middle)
-        return inside
+        begin = float(fit.z[index])
+        return float(brentq(noticed, begin, bound, xtol=AT_BOUND * abs(bound - begin)))
 
     free = problem.freedoms[index]
     return furthest(free.low), furthest(free.high)

@@ -38,13 +38,3 @@ def redundant(name: str, present: tuple[str, ...]) -> bool:
     """Tell whether an effect has no parameter that the present ones do not have already."""
     have = {knob.parameter for other in present for knob in EFFECTS[other].knobs}
     return all(knob.parameter in have for knob in EFFECTS[name].knobs)
-
-
-def sizes_of(effect: str) -> set[str]:
-    """Return the parameters that give an effect its size; KeyError if there is no such effect."""
-    return {knob.parameter for knob in EFFECTS[effect].knobs if not knob.shape}
-
-
-def shapes_of(effect: str) -> set[str]:
-    """Return the parameters that give an effect its shape; KeyError if there is no such effect."""
-    return {knob.parameter for knob in EFFECTS[effect].knobs if knob.shape}

@@ -14,18 +14,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
-from booster_ros.diagnosis.estimation.problem import START, Problem
+from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
 from booster_ros.diagnosis.estimation.parametrisation import Free
-from booster_ros.diagnosis.estimation.scaling import PAPER, proportion
-from booster_ros.diagnosis.hypotheses.regressor import range_followed
 from booster_ros.diagnosis.hypotheses.knots import about_zero, evenly
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy
-from booster_ros.model.ep_converter import QUICKEST, SLOWEST
+from booster_ros.model.ep_converter import QUICKEST, SLOWEST, times_as_slow
+from booster_ros.model.scaling import PAPER, proportion
 from booster_ros.model.system import PositionerParameters
+from booster_ros.model.term_course import followed
+from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
@@ -52,19 +54,13 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
 TIMES_OF_MEMORY = (0.4, 3.0, 12.0, 48.0)
 """Times of memory that are tried of a term over a change, s: a fit goes on from the best."""
 
-LONGER = 1.5
-"""Factor by which a fitted memory may get longer before the range of the table is too short."""
-
-SHORTEST_MEMORY, LONGEST_MEMORY = 0.3, 600.0
-"""Bounds of a fitted memory, s: shorter is a lag, of a longer one no record shows the end."""
-
 REACHES = (0.003, 0.01, 0.03)
 """Half-widths that are tried of a play of the booster's force, N, in the paper's booster, as times
 of memory are tried."""
 
-SHORTEST_REACH, LONGEST_REACH = 5e-4, 0.2
-"""Bounds of a fitted half-width, N: a smaller one is 0.2 kPa in the chamber, a larger one all that
-opens a seat of the paper's booster."""
+WIDER = 10.0
+"""How many times as short or as long as those that are tried a fitted memory or half-width may
+be."""
 
 UNNAMED = 'unknown: '
 """Prefix of the label of a term, where models are listed by their effects."""
@@ -74,18 +70,9 @@ _PLACES = {
     'ep_converter_lag': 'ep_converter'}
 """Locations as reports print them, where they differ from the table's."""
 
-SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
-"""Parts of the linear move that are tried: far away the model bends."""
-
-STEP = 0.1
-"""Step in a value of the table, in sizes that show, by which its column of a Jacobian is formed."""
-
-WIDEST = 1.0
-"""
-Standard deviation of the prior on a value of the table, in sizes that show. The prior keeps unseen
-knots near zero, and leaves what stays the same everywhere to the declared parameters, which hold
-beyond the table too.
-"""
+MUCH_SLOWER = times_as_slow(-QUICKEST)
+"""How many times as slow a converter is taken to be, at the most, where it is asked how far its
+back pressure may have to go: about ten."""
 
 
 @dataclass(frozen=True)
@@ -161,21 +148,21 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     reached its end: for its terms, the range that the parameters as given lead through counts as
     well. `seen` has to include the rows between the fitted ones as well: the table is zero beyond
     its range, and a run that leaves the range comes back with a chamber that knows nothing of the
-    term. For a change, the range is that of a longer memory, as a fit may find one; for a play, it
-    is that of the play itself.
+    term. For a play, it is that of the play itself.
     """
     empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
-        longer = empty._replace(memory=LONGER * one.memory)
-        low, high = range_followed(problem, reference, longer, seen)
+        low, high = range_followed(problem, reference, empty, seen)
     spread, least, most = evenly, -1e3 * one.size, 1e3 * one.size
     if one.location == term.EP_CONVERTER_LAG:
         spread, least, most = about_zero, QUICKEST, SLOWEST
     table = empty._replace(knots=tuple(spread(low, high).tolist()))
     knob = Knob('discrepancy.values', one.size, least, most)
+    # a prior of a size that shows keeps unseen knots near zero, and leaves what stays the same
+    # everywhere to the declared parameters, which hold beyond the table too
     values_free = tuple(
-        Free(knob, 0.0, one.size, WIDEST, element) for element in range(1, KNOTS - 1))
+        Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1))
     return replace(problem, base=problem.base._replace(discrepancy=table),
                    freedoms=problem.freedoms + values_free)
 
@@ -183,56 +170,94 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
 def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
     """Return problem and z with the memory of a change, or the reach of a play, free as well."""
     table = joint.base.discrepancy
+    tried: tuple[float, ...]
     if table.variable in term.CHANGE_OF:
-        name, begin, low, high = 'memory', table.memory, SHORTEST_MEMORY, LONGEST_MEMORY
+        name, begin, tried = 'memory', table.memory, TIMES_OF_MEMORY
     elif term.has_play(table):
         larger = _larger(joint.base, term.BOOSTER)
-        name, begin = 'reach', table.reach
-        low, high = larger * SHORTEST_REACH, larger * LONGEST_REACH
+        name, begin, tried = 'reach', table.reach, tuple(larger * reach for reach in REACHES)
     else:
         return joint, z
     where = len(joint.freedoms)
-    free = Free(Knob(f'discrepancy.{name}', begin, low, high, begin, shape=True), begin, begin)
+    free = Free(Knob(f'discrepancy.{name}', begin, min(tried) / WIDER, WIDER * max(tried), begin,
+                     shape=True), begin, begin)
     return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
 
 
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
-                 ) -> tuple[float, Array, Array, Problem]:
+                 ) -> tuple[float, Problem, Array]:
     """
     Return what a term can reach by linear reckoning.
 
-    That is the cost, z with a table of zeros, the move in z to be tried, and the term's problem.
+    That is the cost, infinite where nothing shows, the term's problem, and its Jacobian with a
+    table of zeros beside the reference.
     """
     joint = with_term(problem, reference, one, seen)
     where = len(problem.freedoms)
     z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
     r = joint.residuals(z)
-    columns = []
-    for j in range(where, where + KNOTS - 2):
-        moved = z.copy()
-        moved[j] += STEP
-        columns.append((joint.residuals(moved) - r) / STEP)
-    data = problem.observed
+    data, inner = problem.observed, range(where, where + KNOTS - 2)
     jacobian = np.zeros((len(r), len(z)))
-    outer = np.r_[0:where, where + KNOTS - 2:len(z)]
-    jacobian[:data, outer] = reference.jacobian[:data]
-    for j, column in zip(range(where, where + KNOTS - 2), columns):
-        jacobian[:, j] = column
-    for j, free in enumerate(joint.freedoms):
-        if np.isfinite(free.sigma) and j < where:
-            row = data + sum(np.isfinite(f.sigma) for f in joint.freedoms[:j])
-            jacobian[row, j] = 1.0 / free.sigma
-    tail = joint.nuisances
-    for j in range(tail):
-        jacobian[len(r) - tail + j, len(z) - tail + j] = 1.0 / START[j]
+    jacobian[:data, np.delete(np.arange(len(z)), inner)] = reference.jacobian[:data]
+    jacobian[data:, joint.known] = np.diag(1.0 / joint.sigma[joint.known])
+    jacobian[:, inner] = joint.differences(
+        z, r, inner, np.full(len(z), LARGEST_DIFFERENCE))  # beside it a table bends nowhere
     low, high = joint.bounds()
     move = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
     left = r + jacobian @ move
-    return float(left @ left), z, move, joint
+    shows = jacobian[:data, inner].any()  # nothing does of what lies above a measured drive
+    return float(left @ left) if shows else np.inf, joint, jacobian
 
 
-def moved(joint: Problem, z: Array, move: Array) -> Array:
-    """Return z after that part of the move which costs least, within the bounds."""
-    low, high = joint.bounds()
-    places = [np.clip(z + share * move, low, high) for share in SHARES]
-    return min(places, key=lambda place: joint.cost(place))
+def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParameters,
+           initial: Initial) -> Array:
+    """Tell of each row, shape (n,), whether a run takes the variable of its term beyond `seen`."""
+    run = experiment.simulate(p, initial)
+    course = followed(p, experiment.time, run.columns, initial.departure.past)
+    return (course < seen[0]) | (course > seen[1])
+
+
+def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
+    """Return the lowest and the highest value of a term's variable."""
+    if table.variable == term.BACK_PRESSURE_ERROR:
+        p = reference.parameters._replace(discrepancy=table)
+        values = np.concatenate([_simulated_errors(problem.experiment, p, slower)[seen]
+                                 for slower in (1.0, MUCH_SLOWER)])
+    else:
+        values = _course(problem.experiment, reference, table, seen)[seen]
+    if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
+        given = problem.parameters(problem.start())
+        run = problem.experiment.simulate(given, reference.initial)
+        read = followed(given._replace(discrepancy=table), run['time'], run.columns)
+        values = np.r_[values, read[seen]]
+    return np.array([np.nanmin(values), np.nanmax(values)])
+
+
+def _simulated_errors(experiment: Experiment, p: PositionerParameters, slower: float) -> Array:
+    """
+    Return how far the back pressure has to go, Pa, shape (n,), if the lag is so many times as long.
+
+    The error is no reading. It is the height of a step whatever the lag, but on a ramp it grows
+    with the lag that is to be found.
+    """
+    ep = p.ep_converter
+    p = p._replace(ep_converter=ep._replace(time_constant=slower * ep.time_constant))
+    # the start of a fit without the term may have gone far to imitate it
+    run = experiment.simulate(p, experiment.initial)
+    return followed(p, experiment.time, run.columns)
+
+
+def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
+    """
+    Return the variable of a term as measured, or as simulated where no row `seen` has a reading.
+
+    For a change, the variable that changes runs straight across a gap.
+    """
+    name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
+    values = experiment.measured.get(name)
+    if values is None or not np.isfinite(values[seen]).any():
+        values = experiment.simulate(reference.parameters, reference.initial)[name]
+    elif table.variable in term.CHANGE_OF:
+        values = bridged(experiment.time, values)
+    p = reference.parameters._replace(discrepancy=table)
+    return followed(p, experiment.time, {name: np.asarray(values)})

@@ -24,11 +24,12 @@ import itertools
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import FEWEST
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.scaling import proportion
 from booster_ros.model.actuator import (
     Actuator, friction_along_travel, lower_stop, stem_force, upper_stop)
+from booster_ros.model.scaling import proportion
 from booster_ros.model.sensors import position_behind, pressure_behind
 
 Array = np.ndarray
@@ -38,9 +39,6 @@ BESIDE = 0.4
 
 BEYOND_NOISE = 6.0
 """How far it has to go in that time, in standard deviations of the position's noise."""
-
-FEWEST = 30
-"""Number of rows, one way, below which nothing is read of the signature."""
 
 SLIDING = (75.0, 150.0, 300.0, 600.0, 1200.0)
 """Values of sliding friction that are tried, N, in a valve of the paper's size: each twice the one

@@ -18,20 +18,17 @@ EVENLY = 0.4
 CROWDED = 4.0
 """Power with which knots about zero lie further apart the further off they are."""
 
-LEAST_SPACING = 1e-9
-"""Share of a variable that hardly changes by which knots are apart: rounding shifts none over
-another."""
+ROUNDING = 1e-6
+"""Share of the steepest slope, up to which slopes are the same but for rounding, and of a variable
+that hardly changes, by which knots are apart: rounding shifts none over another."""
 
 LEAST_SIDE = 1e-3
 """Share of the further end of a variable about zero up to which the nearer end is laid at least."""
 
-NO_TURN = 1e-6
-"""Share of the steepest slope: slopes that differ by less are the same but for rounding."""
-
 
 def evenly(low: float, high: float) -> Array:
     """Return knots at equal distances, shape (KNOTS,), the inner ones from `low` to `high`."""
-    spacing = max((high - low) / (KNOTS - 3), LEAST_SPACING * max(abs(low), abs(high)), 1e-12)
+    spacing = max((high - low) / (KNOTS - 3), ROUNDING * max(abs(low), abs(high)), 1e-12)
     return low + spacing * np.arange(-1.0, KNOTS - 1)
 
 
@@ -65,7 +62,7 @@ def where_it_bends(table: Discrepancy) -> Array:
     widths = np.diff(knots)
     slopes = np.diff(values) / widths
     turns = np.abs(np.diff(slopes))
-    turns[turns < NO_TURN * np.abs(slopes).max()] = 0.0
+    turns[turns < ROUNDING * np.abs(slopes).max()] = 0.0
     bends = turns / (0.5 * (widths[1:] + widths[:-1]))
     curvature = 0.5 * (np.r_[bends[:1], bends] + np.r_[bends, bends[-1:]])
     due = np.sqrt(curvature) * widths

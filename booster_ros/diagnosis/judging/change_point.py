@@ -23,14 +23,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import AVERAGED, Experiment
 from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
 from booster_ros.diagnosis.estimation.fit import Fit, fit
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.parametrisation import label
+from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, label
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.result import Change, ChannelError, Diagnosis, FoundEffect, Moved
+from booster_ros.diagnosis.result import (
+    FAR_OFF, Change, ChannelError, Diagnosis, FoundEffect, Moved)
 from booster_ros.diagnosis.selection.decide import NOISE
 from booster_ros.diagnosis.selection.stepwise import Progress
 from booster_ros.diagnosis.selection.task import THINNING, thinned
@@ -40,7 +41,7 @@ from booster_ros.records import Record, RecordError
 
 Array = np.ndarray
 
-MUCH = 4.0
+MUCH = FAR_OFF * FAR_OFF
 """Mean square, in multiples of the noise's, that a diagnosis has to leave before a change is
 looked for; for the record to be cut, so much has to be left of the used rows."""
 
@@ -50,17 +51,9 @@ declared model has to meet (a refit to less may imitate what has been missing fr
 of what is left after a change."""
 
 WORTH_CUTTING = 0.5
-"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
-
-WINDOW = 25
-"""Number of successive rows whose mean square says whether the model misses."""
-
-ALIKE = 2.0
-"""
-Mean square that another parameter leaves, relative to the best one, below which it may as well be
-the one that changed: the parameters held meanwhile are known only as well as the rows before the
-change tell.
-"""
+"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole; and
+that a parameter may, relative to another one, if it is rather the one that changed: those held
+meanwhile are known only as well as the rows before the change tell."""
 
 
 def since_change(
@@ -139,7 +132,7 @@ def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
         return None
     end, fit = met
     squares = _squares(experiment, fit)
-    row = _first_missed(squares, max(end - WINDOW, 0))  # a change may lie in the last rows met
+    row = _first_missed(squares, max(end - AVERAGED, 0))  # a change may lie in the last rows met
     if row is None:
         return None
     return Change(
@@ -155,12 +148,12 @@ def _first_missed(squares: Array, begin: int) -> int | None:
     (E. S. Page, Biometrika 41 (1954) 100).
     """
     known = begin + np.flatnonzero(np.isfinite(squares[begin:]))
-    if len(known) < WINDOW:
+    if len(known) < AVERAGED:
         return None
-    missed = np.convolve(squares[known], np.full(WINDOW, 1.0 / WINDOW), 'valid') > MUCH
+    missed = np.convolve(squares[known], np.full(AVERAGED, 1.0 / AVERAGED), 'valid') > MUCH
     if not missed.any():
         return None
-    until = int(np.argmax(missed)) + WINDOW
+    until = int(np.argmax(missed)) + AVERAGED
     walk = np.cumsum(np.append(0.0, squares[known[:until]] - MUCH))
     return int(known[np.argmin(walk[:until])])
 
@@ -253,12 +246,12 @@ def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
             float(free.value(moved.z[0])), left(moved)))
     tried = sorted((one for one in tried if one.left < WORTH_CUTTING * still),
                    key=lambda one: one.left)
-    return tuple(one for one in tried if one.left < ALIKE * tried[0].left)
+    return tuple(one for one in tried if WORTH_CUTTING * one.left < tried[0].left)
 
 
 def _place(parameter: str) -> str:
     """Return the location that a declared parameter belongs to."""
-    component, _, name = parameter.partition('.')
+    component = parameter.split('.')[0]
     if component != 'actuator':
         return component
-    return 'chamber' if name == 'dead_volume' else 'stem'
+    return 'chamber' if parameter in OF_THE_CHAMBER else 'stem'

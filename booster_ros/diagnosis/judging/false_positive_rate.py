@@ -18,8 +18,8 @@ from scipy.stats import binomtest
 from booster_ros.signals.stationary_segments import calm_pieces
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.signals.noise_autocorrelation import noise_of
-from booster_ros.diagnosis.prepare.timestamp_jitter import (
-    AS_OFTEN, commands_may_be_late, with_late_commands)
+from booster_ros.diagnosis.prepare.timing import (
+    commands_may_be_late, with_late_commands)
 from booster_ros.diagnosis.prepare.start_state import first_value
 from booster_ros.diagnosis.result import Diagnosis, FalseAdd
 from booster_ros.diagnosis.selection.stepwise import Progress
@@ -73,7 +73,7 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
             driven = driven.shaken(experiment.drive_noise, rng)
         if late:
             # the valve took each command at some moment before the next row
-            driven = with_late_commands(driven, AS_OFTEN, rng)
+            driven = with_late_commands(driven, rng)
         if still:
             moved = driven.predict(model)
             truth = {name: values + moved[name] - still[name] for name, values in truth.items()}

@@ -14,10 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import DriveNoise, Experiment, Initial
+from booster_ros.diagnosis.prepare.timing import DRAWS
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.system import PositionerParameters
-
-RUNS = 6
 
 DISTURBANCE = 1e-6
 """Standard deviation of what disturbs each drive, as a share of its range: far below what any
@@ -32,7 +31,7 @@ def differences(experiment: Experiment, parameters: PositionerParameters, initia
                 ) -> dict[str, float]:
     """Return by how much two runs with nearly the same drives differ: RMS of each channel, SI."""
     rng = np.random.default_rng(1)
-    runs = [_disturbed(experiment, rng).predict(parameters, initial) for _ in range(RUNS)]
+    runs = [_disturbed(experiment, rng).predict(parameters, initial) for _ in range(DRAWS)]
     # the mean square difference of two runs is twice the variance between all of them
     return {name: float(np.sqrt(2.0 * np.mean(np.var([run[name] for run in runs], axis=0, ddof=1))))
             for name in experiment.measured}

@@ -28,16 +28,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial, rmse
+from booster_ros.diagnosis.data.experiment import FEWEST, Experiment, Initial, rmse
 from booster_ros.diagnosis.estimation.least_squares import descend
-from booster_ros.diagnosis.estimation.final_fit import LAST_EVALUATIONS, FinalFit
-from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.final_fit import FinalFit
+from booster_ros.diagnosis.estimation.fit import EVALUATIONS, Fit
+from booster_ros.diagnosis.estimation.inactive import BY_CHANCE
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import label
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.judging.perturbation import WORTH_SAYING
-from booster_ros.diagnosis.result import Alike, ChannelError
+from booster_ros.diagnosis.result import FAR_OFF, Alike, ChannelError
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.system import PositionerParameters
 
@@ -46,22 +47,6 @@ Model = tuple[PositionerParameters, Initial]
 
 MODELS = 32
 """Number of models that are run: they tell what is left open to 13 %, two times of three."""
-
-MOST_DRAWN = 100
-
-FEWEST = 12
-"""Number of models below which nothing is said."""
-
-AS_WELL = 10.0
-"""Rise of the cost, for each variable, above which a draw misses clearly more. Where intervals are
-right it is one for each variable, and some times that where residuals are coloured."""
-
-MOST = 0.5
-"""Share of the square of what is left open that one parameter, by itself, has to exceed to make
-most of it."""
-
-SLIPS = 2.0
-"""Error, in standard deviations of what is left open, up to which slips are missed by chance."""
 
 
 def models_alike(last: FinalFit) -> Alike | None:
@@ -111,7 +96,7 @@ def with_left_open(
     return {name: error if name not in total else replace(
         error, left_open=total[name], unforeseen=beyond[name], mostly={
             one: found.get(one, np.nan) for one, moved in alone.items()
-            if moved[name]**2 > MOST * total[name]**2})
+            if moved[name]**2 > 0.5 * total[name]**2})  # most of it
             for name, error in errors.items()}
 
 
@@ -122,12 +107,12 @@ def _together(runs: Sequence[Mapping[str, float]]) -> dict[str, float]:
 
 def _beyond_size(errors: Mapping[str, ChannelError], total: Mapping[str, float]
                  ) -> dict[str, float]:
-    """Return the error, noise included, beyond SLIPS standard deviations of what is left open."""
+    """Return the error, noise included, beyond FAR_OFF standard deviations of what is left open."""
     found = {}
     for name, left in total.items():
         noise = min(errors[name].noise, errors[name].after)
         found[name] = float(np.hypot(noise, np.sqrt(np.maximum(
-            errors[name].after**2 - noise**2 - (SLIPS * left)**2, 0.0))))
+            errors[name].after**2 - noise**2 - (FAR_OFF * left)**2, 0.0))))
     return found
 
 
@@ -163,8 +148,8 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
     low, high = (np.append(one, another[shared:])
                  for one, another in zip(first.bounds(), other.bounds()))
     both = descend(
-        residuals, jacobian, np.clip(begin, low, high), low, high, LAST_EVALUATIONS).z
-    if first.cost(both[:own]) > first.cost(z) + AS_WELL * own:
+        residuals, jacobian, np.clip(begin, low, high), low, high, EVALUATIONS).z
+    if first.cost(both[:own]) > first.cost(z) + BY_CHANCE * own:
         return {}, {}
     predicted = other.predict(both[of_other]) or {}
     return ({name: rmse(experiment.measured[name], values, rows)
@@ -176,14 +161,13 @@ def _suiting(last: FinalFit) -> list[Array]:
     """Return draws, with shapes as they were found, that miss the fitted rows by hardly more."""
     problem, fit = last.problem, last.fit
     shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
-    step = max(len(last.draws) // MOST_DRAWN, 1)
-    drawn = np.clip(last.draws[::step][:MOST_DRAWN], *problem.bounds())
+    drawn = np.clip(last.draws, *problem.bounds())
     drawn[:, shapes] = fit.z[shapes]
     found: list[Array] = []
     for k in range(0, len(drawn), MODELS):
         some = drawn[k:k + MODELS]
         found += [z for z, left in zip(some, side_by_side(problem.cost, some))
-                  if left <= fit.cost + AS_WELL * len(fit.z)]
+                  if left <= fit.cost + BY_CHANCE * len(fit.z)]
         if len(found) >= MODELS:
             break
     return found[:MODELS]
@@ -202,7 +186,7 @@ def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, t
     spread = np.where(np.ptp(models, axis=0) > 0.0, models.std(axis=0), 0.0)
     noticed = np.linalg.norm(fit.jacobian, axis=0) * spread
     for j, free in enumerate(problem.freedoms):
-        if spread[j] == 0.0 or noticed[j]**2 > AS_WELL:
+        if spread[j] == 0.0 or noticed[j]**2 > BY_CHANCE:
             continue
         ends = np.tile(fit.z, (2, 1))
         ends[:, j] = np.clip(middle[j] + spread[j] * np.array([-1.0, 1.0]), low[j], high[j])

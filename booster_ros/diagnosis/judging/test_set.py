@@ -10,10 +10,7 @@ import numpy as np
 from booster_ros.diagnosis.data.blocks import Segment, rows_of
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.result import ChannelError
-
-STANDS = 1.1
-"""Squared error of the test set, relative to that without what was added, up to which that stands:
-a fifth of a record tells an error to some percent."""
+from booster_ros.diagnosis.selection.decide import NOISE
 
 
 def without_test_set(experiment: Experiment, segments: list[Segment]) -> Experiment:
@@ -24,8 +21,12 @@ def without_test_set(experiment: Experiment, segments: list[Segment]) -> Experim
 
 
 def stands(errors: Mapping[str, ChannelError]) -> bool:
-    """Tell whether what was added makes the error in data that were not fitted no larger."""
+    """
+    Tell whether what was added makes the error in data that were not fitted no larger.
+
+    Its square is told as well as the level of the noise is.
+    """
     seen = [error for error in errors.values() if np.isfinite(error.before)]
     before, after = (sum((getattr(error, stage) / error.noise)**2 for error in seen)
                      for stage in ('before', 'after'))
-    return after <= STANDS * max(before, float(len(seen)))
+    return after <= NOISE * max(before, float(len(seen)))

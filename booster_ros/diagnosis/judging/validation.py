@@ -11,18 +11,13 @@ from booster_ros.diagnosis.estimation.fit import fit
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.judging.prediction_uncertainty import with_left_open
 from booster_ros.diagnosis.judging.perturbation import chance
+from booster_ros.diagnosis.prepare.start_state import FIRST_SECONDS
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, errors_of
-from booster_ros.diagnosis.hypotheses.regressor import beyond
+from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.system import PositionerParameters, depends_on_time
 
 Array = np.ndarray
-
-START = 5.0
-"""Time at the beginning of a record, s, whose rows say where the record starts."""
-
-FULLY = 0.999
-"""Share of the largest area of a seat from which the seat is fully open."""
 
 
 def validated(
@@ -96,13 +91,13 @@ def _fully_open(
     run = experiment.simulate(parameters, start)
     largest = {'intake': parameters.booster.max_area,
                'exhaust': largest_exhaust_area(parameters.booster)}
-    return {seat: float(np.mean(run[f'{seat}_area'] >= FULLY * area)) if area else 0.0
+    return {seat: float(np.mean(np.isclose(run[f'{seat}_area'], area))) if area else 0.0
             for seat, area in largest.items()}
 
 
 def _start(experiment: Experiment, parameters: PositionerParameters) -> Initial:
     """Return the start that suits the first seconds of the record best."""
-    rows = experiment.time <= experiment.time[0] + START
+    rows = experiment.time <= experiment.time[0] + FIRST_SECONDS
     problem = Problem(experiment, rows, parameters, ())
     start = fit(problem).z if problem.nuisances and not experiment.quasi_static else (
         problem.start())

@@ -20,13 +20,6 @@ from booster_ros.records.time_axis import gap_rows
 
 Array = np.ndarray
 
-SETTLING = 10.0
-"""Time after a gap, s, within which rows do not count, whatever the declared model says."""
-
-CAUGHT_UP = 1.0
-"""Difference between runs with other drives in a gap, in multiples of the noise, above which the
-chamber has not caught up: rows up to the last such difference do not count either."""
-
 SHORT_GAP = 0.5
 MISSED = 5e-4
 """Longest gap, s, and most that holding the drive through it may miss, as a share of the drive's
@@ -49,14 +42,6 @@ def gaps_that_hide(
     return [slice(max(int(last[row - 1]), 0), int(row)) for row in ends[missed]]
 
 
-def past_settling(time: Array, gaps: Sequence[slice]) -> Array:
-    """Tell of each row, shape (n,), whether every gap before it ended at least SETTLING ago."""
-    rows = np.ones(len(time), dtype=bool)
-    for gap in gaps:
-        rows &= (time < time[gap.stop]) | (time >= time[gap.stop] + SETTLING)
-    return rows
-
-
 def caught_up(
     experiment: Experiment, declared: PositionerParameters, gaps: Sequence[slice]
 ) -> Array:
@@ -64,9 +49,10 @@ def caught_up(
     Tell of each row, shape (n,), whether it shows nothing of what went on in a gap before it.
 
     The declared model is driven in every gap once with the least that the record has of each drive
-    and once with the most. Both runs come to the same only once the chamber has caught up.
+    and once with the most. Both runs come to the same, within the noise, only once the chamber has
+    caught up.
     """
-    counts = past_settling(experiment.time, gaps)
+    counts = np.ones(len(experiment.time), dtype=bool)
     if not gaps:
         return counts
     hidden = np.zeros(len(counts), dtype=bool)
@@ -77,7 +63,7 @@ def caught_up(
         pinned={name: np.where(hidden, bound(values), values)
                 for name, values in experiment.pinned.items()},
     ).predict(declared) for bound in (np.min, np.max))
-    apart = np.any([np.abs(low[name] - high[name]) > CAUGHT_UP * experiment.noise[name]
+    apart = np.any([np.abs(low[name] - high[name]) > experiment.noise[name]
                     for name in experiment.channels], axis=0)
     for gap, end in zip(gaps, [*(later.start for later in gaps[1:]), len(counts)], strict=True):
         differ = np.flatnonzero(apart[gap.stop:end])

@@ -1,7 +1,7 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Values that are possible in their unit, but cannot be of the declared valve (see also pressures).
+Values that are possible in their unit, but cannot be of the declared valve (see also otherwise).
 
 Fitted all the same, they come out as an effect, or the diagnosis takes minutes and finds nothing.
 """
@@ -13,11 +13,10 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import UNITS, Experiment
 from booster_ros.diagnosis.estimation.parametrisation import BENCH, get
-from booster_ros.diagnosis.prepare.fit_metrics import (
-    FOLLOWS, alike, is_otherwise, stem_alone)
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
+from booster_ros.records.holding import bridged
 from booster_ros.records.units import LARGEST_KILOPASCALS
 
 Array = np.ndarray
@@ -28,27 +27,18 @@ DRIVES = {'control_current', 'back_pressure', 'chamber_pressure'}
 REACHED = 0.99
 """Quantile of the values of a channel that counts as reached."""
 
-BEYOND = 0.05
-"""Share of the travel, or of the supply, by which a channel goes beyond what the declared valve
-can: said before a search, as it will not help."""
+LITTLE = 0.05
+"""
+Share of the travel, of the supply, or of the range of a command, that is more than a tolerance,
+than a stop yields, or than a command moves on slowly. A channel that goes so far beyond what the
+declared valve can is told before a search, as that will not help. Where the declared model moves by
+more, a reading that never changes is that of a sensor, or a valve, that sticks fast. A pressure
+that stays below is in another unit, if the model says so as well.
+"""
 
 OF_ANOTHER = 2.0
 """Multiple of the travel that a position reaches, or of the supply that even the smallest current
 asks for, above which it is that of another valve."""
-
-STUCK = 0.05
-"""Share of the travel, or of the supply: where the declared model moves by more, a reading that
-never changes is that of a sensor, or a valve, that sticks fast."""
-
-SECONDS = {'nanoseconds': 1e-9, 'microseconds': 1e-6, 'milliseconds': 1e-3, 'minutes': 60.0,
-           'hours': 3600.0, 'days': 86400.0}
-USUAL_STEP = (1e-3, 1.0)
-"""Usual distance of rows in seconds, below the second. Time is in another unit if rows are not so
-far apart, would be in that unit, and the declared model then moves as measured."""
-
-SETTLED, FEW = 30.0, 400
-"""Distance of rows, s, at which a valve has settled at each, and a number of such rows that tells
-how the declared model does: what lasts for months in microseconds is not run through."""
 
 
 def check_declared(declared: PositionerParameters, source: str) -> None:
@@ -93,13 +83,12 @@ def out_of_reach(
     for name, unit, full, what in (
             ('chamber_pressure', 'Pa', supply, 'supply'), ('back_pressure', 'Pa', supply, 'supply'),
             ('valve_position', 'm', travel, 'travel')):
-        values = columns.get(name, np.empty(0))
-        values = values[np.isfinite(values)]
+        values = known(columns.get(name, np.empty(0)))
         if not values.size or full <= 0.0:
             continue
         low, high = np.quantile(values, [1.0 - REACHED, REACHED])
-        below = name == 'valve_position' and low < -BEYOND * full
-        if below or high > (1.0 + BEYOND) * full:
+        below = name == 'valve_position' and low < -LITTLE * full
+        if below or high > (1.0 + LITTLE) * full:
             notes.append(f'{name} goes from {low:.4g} to {high:.4g} {unit}, beyond the declared '
                          f'{what} of {full:.4g} {unit}: the declared valve cannot')
     return tuple(notes)
@@ -126,26 +115,16 @@ def check_drive(experiment: Experiment, declared: PositionerParameters, source: 
         'off, or leave out a current that did not drive the valve')
 
 
-def check_direction(
-    experiment: Experiment, declared: PositionerParameters, source: str
-) -> None:
-    """Raise RecordError where a position moves against the declared model."""
-    position = experiment.measured.get('valve_position')
-    if position is None or not np.isfinite(position).any():
-        return
-    if alike(position, _driven(experiment).predict(declared)['valve_position']) >= -FOLLOWS:
-        return
-    if np.nansum(position) < 0.0:
-        raise RecordError(
-            f'{source}, column valve_position: lies mostly below 0 and falls where the declared '
-            'model opens: reverse its sign, positions count from where the vented stem rests')
-    raise RecordError(
-        f'{source}, column valve_position: falls where the declared model opens: positions count '
-        'from where the vented stem rests, which is open for a valve that air closes (subtract '
-        'them from the travel)')
+def stem_alone(experiment: Experiment) -> Experiment:
+    """Return the experiment with the stem driven by the measured pressure."""
+    pressure = bridged(experiment.time, experiment.measured['chamber_pressure'])
+    return replace(
+        experiment, current=np.zeros_like(experiment.current),
+        measured={'valve_position': experiment.measured['valve_position']},
+        pinned={**experiment.pinned, 'chamber_pressure': pressure})
 
 
-def _driven(experiment: Experiment) -> Experiment:
+def driven(experiment: Experiment) -> Experiment:
     """Return the experiment with the stem driven by the measured pressure, if there is one."""
     seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
     return stem_alone(experiment) if seen else experiment
@@ -167,9 +146,9 @@ def without_stuck(
         if not stands_still(values):
             continue
         alone = name == 'valve_position' and not pressure_stands
-        driven = _driven(experiment) if alone else experiment
-        moves = float(np.ptp(driven.predict(declared)[name][np.isfinite(values)]))
-        if moves > STUCK * ranges.get(name, declared.supply.pressure):
+        moving = driven(experiment) if alone else experiment
+        moves = float(np.ptp(moving.predict(declared)[name][np.isfinite(values)]))
+        if moves > LITTLE * ranges.get(name, declared.supply.pressure):
             stuck[name] = (
                 f'{name} is not compared: it reads {np.nanmax(values):.6g} {UNITS[name]} in every '
                 f'row where the declared model moves by {moves:.3g} {UNITS[name]}, which is a '
@@ -185,27 +164,9 @@ def without_stuck(
 
 def stands_still(values: Array) -> bool:
     """Tell whether a channel reads one value in every row in which it reads any."""
-    known = values[np.isfinite(values)]
-    return len(known) > 0 and bool(np.ptp(known) == 0.0)
+    return len(known(values)) > 0 and bool(np.ptp(known(values)) == 0.0)
 
 
-def check_clock(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
-    """Raise RecordError where time is in another unit than s, as the declared model shows."""
-    step = float(np.median(np.diff(experiment.time)))
-    if USUAL_STEP[0] <= step < USUAL_STEP[1]:
-        return
-    as_given = _closer(experiment) if step > SETTLED else experiment
-    for unit, seconds in SECONDS.items():
-        other = replace(experiment, time=seconds * experiment.time)
-        suits = USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]
-        if suits and is_otherwise(as_given, other, declared):
-            raise RecordError(
-                f'{source}, column time: rows {step:.3g} s apart do not suit the declared model, '
-                f'which moves as measured if they are {step:.3g} {unit} apart: convert the column '
-                'to seconds')
-
-
-def _closer(experiment: Experiment) -> Experiment:
-    """Return fewer rows, each of which stands until everything has settled, and no longer."""
-    thin, _ = experiment.thinned(max(len(experiment.time) // FEW, 1))
-    return replace(thin, time=SETTLED * np.arange(len(thin.time)))
+def known(values: Array) -> Array:
+    """Return the values without those that are missing."""
+    return values[np.isfinite(values)]

@@ -10,30 +10,23 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from booster_ros.signals.stationary_segments import calm_pieces
-from booster_ros.diagnosis.data.experiment import DriveNoise, Experiment
+from booster_ros.diagnosis.data.experiment import AVERAGED, FEWEST, DriveNoise, Experiment
 from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
 from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
-from booster_ros.diagnosis.prepare.timestamp_jitter import (
-    commands_may_be_late, with_noise_of_timing)
+from booster_ros.diagnosis.prepare.otherwise import check_taken_otherwise
 from booster_ros.diagnosis.prepare.plausibility import (
-    check_bench, check_clock, check_direction, check_drive, out_of_reach, stands_still,
-    without_stuck)
-from booster_ros.diagnosis.prepare.pressures import check_pressures
-from booster_ros.diagnosis.prepare.reversed_current import check_current
-from booster_ros.diagnosis.prepare.rows import (
-    FEWEST_ROWS, Rows, aligned, between_samples)
-from booster_ros.diagnosis.prepare.sampled_commands import with_sampled_commands
+    check_bench, check_drive, out_of_reach, stands_still, without_stuck)
+from booster_ros.diagnosis.prepare.rows import Rows, aligned
 from booster_ros.diagnosis.prepare.start_state import start_state, with_start_of_converter
+from booster_ros.diagnosis.prepare.timing import (
+    commands_may_be_late, with_noise_of_timing, with_sampled_commands)
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
-from booster_ros.records.holding import bridged, last_known
+from booster_ros.records.holding import between_samples, bridged, last_known
 
 Array = np.ndarray
-
-QUIETING = 25
-"""Number of samples of a measured drive that are averaged to see what its noise adds."""
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9}
@@ -120,11 +113,7 @@ def _checked(experiment: Experiment, declared: PositionerParameters, source: str
     """
     check_drive(experiment, declared, source)
     check_bench(experiment, declared, source)
-    if not experiment.quasi_static:
-        check_clock(experiment, declared, source)
-    check_pressures(experiment, declared, source)
-    check_current(experiment, declared, source)
-    check_direction(experiment, declared, source)
+    check_taken_otherwise(experiment, declared, source)
     experiment = without_stuck(experiment, declared, source)
     return replace(experiment, notes=(*experiment.notes, *_still_notes(experiment.measured)))
 
@@ -167,10 +156,10 @@ def _drive_noise(name: str, sampled: Array, calm: list[slice]) -> DriveNoise:
 
 def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> None:
     rows = max(int(np.isfinite(values).sum()) for values in compared.values())
-    if rows < FEWEST_ROWS:
+    if rows < FEWEST:
         raise RecordError(
             '; '.join((f'{source}: only {rows} rows can be compared with the model, at least '
-                       f'{FEWEST_ROWS} are needed', *notes)))
+                       f'{FEWEST} are needed', *notes)))
 
 
 def _colour_notes(calm: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
@@ -208,7 +197,7 @@ def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters
         return experiment
     # noise on top of noise would move a booster whose two seats differ by another amount
     quiet = replace(experiment, pinned={
-        name: uniform_filter1d(values, QUIETING * experiment.drive_noise[name].every)
+        name: uniform_filter1d(values, AVERAGED * experiment.drive_noise[name].every)
         for name, values in experiment.pinned.items()})
     still = quiet.predict(declared)
     moved = quiet.shaken(experiment.drive_noise, np.random.default_rng(1)).predict(declared)

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import FEWEST
 from booster_ros.diagnosis.data.roles import Roles, roles
 from booster_ros.diagnosis.prepare.plausibility import check_scales
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
-from booster_ros.records.holding import bridged
-from booster_ros.records.time_axis import longest_usual
+from booster_ros.records.holding import between_samples
 
 Array = np.ndarray
 
@@ -20,9 +20,6 @@ DWELL_PINNED = 0.25
 DWELL_FILLED = 30.0
 """How long each row of a sweep without time stands, s: where the chamber pressure drives, only the
 stem has to follow; where the current or the back pressure does, the chamber has to fill."""
-
-FEWEST_ROWS = 12
-"""Smallest number of rows that must be comparable."""
 
 CLOSEST_ROWS = 1e-6
 """Time from row to row, s, below which no valve is recorded: it is of another unit."""
@@ -63,10 +60,10 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
 
     RecordError where the record or its time is such that no run of the model over it would help.
     """
-    if len(record) < FEWEST_ROWS:
+    if len(record) < FEWEST:
         raise RecordError(
             f'{record.source}: only {len(record)} row{"s" if len(record) > 1 else ""}, at least '
-            f'{FEWEST_ROWS} are needed')
+            f'{FEWEST} are needed')
     if 'time' in record:
         _check_time(record)
     record, beside = _without_loop(record)
@@ -147,12 +144,12 @@ def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
 def _without_sparse(record: Record, compared: Collection[str]) -> tuple[Record, tuple[str, ...]]:
     """Return the record without channels of too few values to compare, if others have enough."""
     counts = {name: int(np.isfinite(record[name]).sum()) for name in compared}
-    sparse = {name: count for name, count in counts.items() if count < FEWEST_ROWS}
+    sparse = {name: count for name, count in counts.items() if count < FEWEST}
     if len(sparse) == len(counts):
         return record, ()
     others = {name: values for name, values in record.columns.items() if name not in sparse}
     return replace(record, columns=others), tuple(
-        f'{name} is not compared: it has {count} of the {FEWEST_ROWS} values needed'
+        f'{name} is not compared: it has {count} of the {FEWEST} values needed'
         for name, count in sparse.items())
 
 
@@ -201,19 +198,6 @@ def _usable_rows(
         # a sweep of currents starts settled at its first one; only later ones were dwelt on
         usable[0] &= not role.commanded
     return usable
-
-
-def between_samples(time: Array | None, values: Array) -> Array:
-    """Return values sampled more slowly than the rows, filled except in gaps of their own."""
-    if time is None:
-        return values
-    known = time[np.isfinite(values)]
-    if len(known) < 3:
-        return values
-    after = np.searchsorted(known, time).clip(1, len(known) - 1)
-    near = known[after] - known[after - 1] <= longest_usual(np.diff(known))
-    near &= (time >= known[0]) & (time <= known[-1])
-    return np.where(near | np.isfinite(values), bridged(time, values), np.nan)
 
 
 def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:

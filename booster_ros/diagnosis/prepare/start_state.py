@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial
-from booster_ros.diagnosis.prepare.rows import FEWEST_ROWS
+from booster_ros.diagnosis.data.experiment import FEWEST, Experiment, Initial
+from booster_ros.diagnosis.prepare.otherwise import is_otherwise
+from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.memory import Departure
 from booster_ros.model.system import PositionerParameters
@@ -19,16 +20,8 @@ Array = np.ndarray
 _FIRST_ROWS = 5
 """Number of first rows, which are averaged if the signal stands still in them."""
 
-_AT_STOP = 0.02
-"""Share of the travel within which a stem may rest against its stop."""
-
-_FIRST_SECONDS = 3.0
-"""Time from the first row on that tells where the converter started."""
-
-_EVIDENT = 0.1
-_NEARLY_SETTLED = 10e3
-"""Largest share of the squared error of the first seconds that another start of the converter may
-leave, and its smallest distance from settled, Pa, to be taken; nearer ones a fit finds."""
+FIRST_SECONDS = 3.0
+"""Time from the first row on, s, that tells where the record starts."""
 
 
 def start_state(
@@ -62,31 +55,28 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     A record may begin with its first command while the converter is still at an earlier one. Then
     the first seconds call for a far different back pressure.
     """
-    rows = experiment.time <= experiment.time[0] + _FIRST_SECONDS
-    first = replace(
-        experiment, time=experiment.time[rows], current=experiment.current[rows],
-        ends=None if experiment.ends is None else experiment.ends[rows],
-        measured={name: values[rows] for name, values in experiment.measured.items()},
-        pinned={name: values[rows] for name, values in experiment.pinned.items()})
-    if len(first.time) < FEWEST_ROWS:  # then it is taken as settled
+    first = experiment.until(float(experiment.time[0]) + FIRST_SECONDS)
+    if len(first.time) < FEWEST:  # then it is taken as settled
         return experiment
 
-    def start(departure: float) -> Initial:
-        return replace(experiment.initial, departure=Departure(float(departure)))
+    def started(departure: float) -> Experiment:
+        return replace(first, initial=replace(
+            experiment.initial, departure=Departure(float(departure))))
 
     def missed(departure: float) -> float:
-        predicted = first.predict(declared, start(departure))
+        predicted = started(departure).predict(declared)
         return float(sum(np.nansum(((values - predicted[name]) / first.noise[name])**2)
                          for name, values in first.measured.items()))
 
     supply = declared.supply.pressure
     settled = settled_back_pressure(declared.ep_converter, first.current[0], supply, 0.0, 0.0)
     found = minimize_scalar(missed, bounds=(-settled, supply - settled), method='bounded')
-    if found.fun >= _EVIDENT * missed(0.0) or abs(found.x) < _NEARLY_SETTLED:
+    taken = started(found.x)
+    if not is_otherwise(first, taken, declared):
         return experiment
     note = (f'the E/P converter had not settled at the first command: it is taken to start at '
             f'{settled + found.x:.0f} Pa')
-    return replace(experiment, initial=start(found.x), notes=(*experiment.notes, note))
+    return replace(experiment, initial=taken.initial, notes=(*experiment.notes, note))
 
 
 def _unmeasured_pressure(
@@ -102,9 +92,9 @@ def _unmeasured_pressure(
     if position is None:
         return settled
     stroke = position / declared.actuator.travel
-    if stroke < _AT_STOP:
+    if stroke < LITTLE:
         return min(settled, opens)
-    if stroke > 1.0 - _AT_STOP:
+    if stroke > 1.0 - LITTLE:
         return max(settled, opened)
     return opens + stroke * (opened - opens)
 

@@ -21,17 +21,16 @@ disturbance happens once; an effect comes back with what excites it.
 """
 
 from dataclasses import dataclass
-from math import log
+from math import log, log1p
 
 import numpy as np
 
+from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.selection.score import Score
 
-ODDS = 20.0
-"""Odds from which a difference counts: 19 to 1 is the usual 95 %."""
-
-TIE = log(ODDS)
-"""Difference of log evidence, or likelihood, up to which two models are not told apart."""
+TIE = -log1p(-LEVEL)
+"""Difference of log evidence, or likelihood, up to which two models are not told apart: log 20, as
+odds of 19 to 1 are the usual 95 %."""
 
 NOISE = 1.15
 """Reduced chi-square up to which what is left may be noise: its level is estimated to some 5 %,
@@ -62,6 +61,26 @@ class Comparison:
     dispersion: float
 
 
+@dataclass(frozen=True)
+class TraceStep:
+    """
+    A step of the selection: a model against another.
+
+    `log_evidence` and `gain` (of log likelihood, with its standard error over blocks) are tempered
+    by `dispersion`, + where the first model is better; `reduced_chi2` is what that one leaves, in
+    squares of the noise.
+    """
+
+    effects: tuple[str, ...]
+    against: tuple[str, ...]
+    reduced_chi2: float
+    log_evidence: float
+    gain: float
+    gain_standard_error: float
+    dispersion: float
+    outcome: str
+
+
 def compare(one: Score, other: Score, c: float) -> Comparison:
     """Return what the record says of `one` against `other`, both scored on the same blocks."""
     gains = 0.5 * (other.costs - one.costs) / c
@@ -73,7 +92,7 @@ def compare(one: Score, other: Score, c: float) -> Comparison:
 
 def accepted(found: Comparison, candidates: int) -> bool:
     """Tell whether the record calls for the first model, one of so many candidates."""
-    return (found.log_evidence > log(max(candidates, 1)) + log(ODDS)
+    return (found.log_evidence > log(max(candidates, 1)) + TIE
             and found.without_best_block > TIE)
 
 

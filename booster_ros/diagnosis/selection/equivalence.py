@@ -11,7 +11,7 @@ truth, on average over all noise:
 
 1. the measured values are replaced by the prediction of the fit;
 2. the effect is taken out, all else stays;
-3. every other effect is screened in its place.
+3. every other effect is screened in its place, and the best of them take the first steps of a fit.
 
 Where that cost is less than what tells models apart, no fit to this record can decide.
 """
@@ -27,14 +27,13 @@ from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant
 from booster_ros.diagnosis.selection.decide import TIE
-from booster_ros.diagnosis.selection.screening import reference_at, screen, with_chord_steps
+from booster_ros.diagnosis.selection.neighbours import BEGUN
+from booster_ros.diagnosis.selection.screening import first_steps, reference_at, screen
 from booster_ros.diagnosis.selection.stepwise import Selection, comparison
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
-
-_A_FREQUENCY = np.array([0.5])
 
 
 def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[str, ...]:
@@ -63,12 +62,13 @@ def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:
     # thinned rows tell so much less than all of them
     most = 2.0 * TIE * chosen.score.dispersion * whole.observed / max(chosen.problem.observed, 1)
 
-    def cost(other: str) -> float:
-        return with_chord_steps(rest, screen(rest, around, other, _A_FREQUENCY)).cost - known
-
     others = [other for other in task.names if other not in chosen.effects
               and not EFFECTS[other].rubs and not redundant(other, chosen.but(name))]
-    return [other for other, more in zip(others, side_by_side(cost, others)) if more < most]
+    quick = side_by_side(lambda other: screen(rest, around, other), others)
+    quick = sorted((one for one in quick if one.starts), key=lambda one: one.cost)[:BEGUN]
+    ends = side_by_side(lambda one: first_steps(rest, one), quick)
+    found = {one.effect for one, end in zip(quick, ends) if end.cost - known < most}
+    return [other for other in others if other in found]
 
 
 def _as_predicted(problem: Problem, z: Array) -> Experiment:

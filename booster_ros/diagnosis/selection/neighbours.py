@@ -4,10 +4,10 @@
 The neighbours of a model in a stepwise selection: the models with one effect more.
 
 1. What all but noise explains already may lack a small effect only: a score test on every row tells
-   which (`promise`), and these are fitted.
+   which promise enough, and these are fitted.
 2. Else, screen every effect on thinned rows, take the first steps of a fit from where screening
    leads, and fit those that get furthest to their end.
-3. Fit those near the best to every row, and score them there.
+3. Fit those not told apart from the best to every row, and score them there.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.estimation.fit import (
-    Fit, carried, first_steps, fit, fit_at, nominal)
+    FIRST_STEPS, Fit, carried, fit, fit_at, nominal)
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
@@ -25,30 +25,17 @@ from booster_ros.diagnosis.hypotheses.friction import friction_starts
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
-    SIZES, TYPICAL, Screened, promise, reference_at, references, screen, strong_frequencies,
-    with_chord_steps)
-from booster_ros.diagnosis.selection.task import Model, Task, upstream_task
+    BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
+from booster_ros.diagnosis.selection.task import (
+    Model, Task, by_observation, near_best, upstream_task)
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
 Tick = Callable[[], None]
 
-BEGUN, FIRST_STEPS = 6, 4
-"""Number of screened effects that get first steps of a fit, and how many: screening ranks the right
-one among the first six."""
-
-CHORDED, FRICTION_STARTS = 10, 2
-"""Number of effects that take chord steps, and of starts of friction that get first steps."""
-
-FINISHED = 4
-"""Number of those that are fitted to their end, on thinned rows, and then to every row."""
-
-FAR = 6.0
-"""Multiple of the best cost after the first steps from which an effect is fitted no further."""
-
-MOST_NEAR, BEHIND = 3, 4.0 * TIE
-"""Number of models that are fitted to every row, at the most, and how far their log evidence on
-thinned rows may be behind the best one's: an eighth of the rows tells an eighth of it."""
+BEGUN, FRICTION_STARTS = 10, 2
+"""Number of screened effects that get first steps of a fit, and of starts of friction: screening
+ranks the right effect among the first ten."""
 
 
 @dataclass(frozen=True)
@@ -95,22 +82,14 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
         return Neighbours([fitted_to_every_row(task, (*parent.effects, name), problem, z)
                            for name, problem, z in begun], [])
     thin = _begun(task, parent, wanted, tick)
-    near, far = [], []
-    for observation in dict.fromkeys(one.problem.observation for one in thin):
-        same = [one for one in thin if one.problem.observation is observation]
-        c = min(same, key=lambda one: one.score.cost).score.dispersion
-        same.sort(key=lambda one: -one.score.log_evidence(c))
-        top = same[0].score.log_evidence(c)
-        near += [one for one in same[:MOST_NEAR] if one.score.log_evidence(c) > top - BEHIND]
-    for one in thin:
-        if one not in near:
-            far.append(one)
+    # every row tells yet more than thinned ones
+    near = [one for same in by_observation(thin) for one in near_best(same, TIE)]
     found = []
     for one in near:
         found.append(one if one.problem.observation is WINDOWS else fitted_to_every_row(
             task, one.effects, one.problem, one.fit.z))
         tick()
-    return Neighbours(found, far)
+    return Neighbours(found, [one for one in thin if one not in near])
 
 
 def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:
@@ -132,14 +111,13 @@ def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:
 def _small(task: Task, parent: Model, names: list[str]) -> list[tuple[str, Problem, Array]]:
     """Return the effects whose score test promises that they are accepted, and where they lead."""
     problem, found = parent.problem, parent.fit
-    reference = reference_at(problem, found)
-    frequencies = strong_frequencies(problem, found.z)
-    promised = side_by_side(lambda name: promise(problem, reference, name, frequencies), names)
+    around, frequencies = [reference_at(problem, found)], strong_frequencies(problem, found.z)
+    screened = side_by_side(
+        lambda name: screen(problem, around, name, frequencies, SIZES[:1]), names)
     least = found.cost - 2.0 * TIE * parent.score.dispersion
-    hopeful = sorted((one for one in promised if one is not None and one.cost < least),
-                     key=lambda one: one.cost)
-    return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.start)
-            for one in hopeful[:FINISHED]]
+    hopeful = sorted((one for one in screened if one.cost < least), key=lambda one: one.cost)
+    return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.starts[0])
+            for one in hopeful[:BEST]]
 
 
 def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Model]:
@@ -148,20 +126,14 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
     found = fit_at(problem, parent.fit.z)
     steps: list[tuple[str, Fit, Problem]] = []
     for one in _screened(problem, found, [n for n in names if not EFFECTS[n].rubs], tick):
-        end = first_steps(one.problem, one.starts[0], FIRST_STEPS)
-        for start, cost in zip(one.starts[1:2], one.costs[1:]):
-            if cost < end.cost:
-                end = min(end, first_steps(one.problem, start, FIRST_STEPS),
-                          key=lambda end: end.cost)
-        steps.append((one.effect, end, one.problem))
+        steps.append((one.effect, first_steps(problem, one), one.problem))
         tick()
     steps.sort(key=lambda step: step[1].cost)
     ended: list[Model] = []
-    for name, end, joint in steps[:FINISHED]:
-        if end.cost < FAR * steps[0][1].cost:
-            # what had imitated the effect may have gone far: the best begin as given as well
-            starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
-            ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))
+    for name, end, joint in steps[:BEST]:
+        # what had imitated the effect may have gone far: the best begin as given as well
+        starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
+        ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))
         tick()
     # slips are slow to simulate, and nothing calls for them where another effect leaves noise
     if not any(one.reduced_chi2 < NOISE for one in ended):
@@ -179,15 +151,10 @@ def _screened(problem: Problem, found: Fit, names: list[str], tick: Tick) -> lis
 
     def one(name: str) -> Screened:
         tick()
-        return screen(problem, around, name, frequencies, SIZES if smooth else TYPICAL)
+        return screen(problem, around, name, frequencies, SIZES if smooth else SIZES[1:2])
 
-    quick = sorted((each for each in side_by_side(one, names) if each.starts),
-                   key=lambda each: each.cost)
-    if smooth:
-        quick = sorted(side_by_side(
-            lambda each: with_chord_steps(problem, each), quick[:CHORDED]),
-            key=lambda each: each.cost)
-    return quick[:BEGUN]
+    return sorted((each for each in side_by_side(one, names) if each.starts),
+                  key=lambda each: each.cost)[:BEGUN]
 
 
 def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:
@@ -195,7 +162,7 @@ def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:
     effects = (*parent.effects, name)
     joint = task.problem(effects)
     starts = friction_starts(joint, _seen_upstream(task, parent, joint))
-    begun = min((first_steps(joint, start, FIRST_STEPS) for start in sorted(
+    begun = min((fit(joint, [start], FIRST_STEPS) for start in sorted(
         starts, key=joint.cost)[:FRICTION_STARTS]), key=lambda end: end.cost)
     smooth = replace(task.problem(parent.effects), observation=joint.observation)
     if begun.cost > smooth.cost(parent.fit.z):

@@ -26,13 +26,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import FEWEST
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import Problem
 
 Array = np.ndarray
-
-SHORTEST_SEQUENCE = 20
-"""Number of residuals of a channel below which nothing is said of their autocorrelation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +89,7 @@ def dispersion(series: Sequence[Array]) -> float:
 
 
 def _autocorrelation_time(values: Array) -> float:
-    if len(values) < SHORTEST_SEQUENCE or not np.any(values):
+    if len(values) < FEWEST or not np.any(values):
         return 1.0
     size = 1 << (2 * len(values) - 1).bit_length()
     spectrum = np.abs(np.fft.rfft(values, size))**2

@@ -12,56 +12,49 @@ declared parameters can imitate part of it. So what they can imitate is projecte
    cost that this size can reach;
 3. what remains runs nearly straight from size 0 to e, which tells the size at which it should be
    least: of the trials that promise most there, simulate four at that size;
-4. linear reckoning fails where the variables react by much. So, for the effects that do best, a
-   few Gauss-Newton steps follow from the best size, with J kept as it is and only the effect's own
-   columns simulated anew (chord steps): what they reach is a cost that was simulated.
+4. linear reckoning fails where the variables react by much. So, for the effects that do best, the
+   first steps of a fit follow from the best size around each reference, begun with J and the
+   effect's own columns simulated there (`first_steps`). A joint fit begins where they end.
 
-A joint fit begins where the chord steps end, around each reference; also where they began, if they
-did not keep what linear reckoning promised there.
-
-`promise` is the score test of an effect (C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50): step 1 to
-3 for one small size, on every row.
+For one small size, on every row, this is the score test of an effect (C. R. Rao, Proc. Camb. Phil.
+Soc. 44 (1948) 50).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 import itertools
 
 import numpy as np
 from scipy.signal import periodogram
 
-from booster_ros.diagnosis.estimation.fit import Fit, fit_at, fit
+from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
 from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.parametrisation import TOLD_AT_REST, Free
-from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.problem import DIFFERENCE, Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
 
-SIZES, TYPICAL, SMALL = (0.25, 1.0, 3.0), (1.0,), (0.25,)
+SIZES = (0.25, 1.0, 3.0)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
 
-CHORD_STEPS = 4
-CHORD_SHARES = (1.0, 0.5, 0.2, 0.05)
-"""Number of chord steps, with the reference's Jacobian, and the parts of each that are tried."""
+BEST = 4
+"""Number of the best ones that go on: of trials, to be simulated at the size at which they should
+leave least; of effects and terms, to be fitted to their end."""
 
-LENGTHS = 4
-"""Number of trials that are simulated at the size at which they should leave least."""
+LONGEST = 2.0
+"""Largest multiple of a size that was tried up to which what it does is taken to run straight."""
 
-SHORTEST, LONGEST = 1e-3, 2.0
-"""Bounds of that size, as multiples of the size that was tried."""
+ABOVE_NOISE = 15.0
+"""Multiple of the median power above which a line stands out: of noise, 1 in 30000 does."""
 
-UNKEPT = 1.5
+PADDING = 8
 """
-Multiple of the cost that linear reckoning promised: if chord steps end above it, a fit begins
-where they began as well.
+Number of parts of the frequency step that the record's length resolves, to which frequencies are
+told. Half of that step off, an oscillation ends as far out of phase as can be, and a fit stops at
+the wrong frequency.
 """
-
-WORTH_A_STEP = 0.02
-"""Share of the cost: chord steps end when one lowers the cost by less."""
-
-DIFFERENCE = 1e-2
-"""Step in a variable of the effect, by which its column of the Jacobian is formed."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +62,7 @@ class Screened:
     """
     An effect, the problem with it added, where to fit from, and the costs there (best first).
 
-    A cost was simulated there, or is what linear reckoning promised where chord steps did not keep
-    it or were not taken. `around` are the references that they were reckoned from.
+    `around` are the references that they were reckoned from.
     """
 
     effect: str
@@ -96,7 +88,7 @@ def _no_size(free: tuple[Free, ...]) -> Array:
     return np.array([f.without_size for f in free])
 
 
-def _sizes_to_try(free: tuple[Free, ...], frequencies: Array, multiples: tuple[float, ...]
+def _sizes_to_try(free: tuple[Free, ...], frequencies: Iterable[float], multiples: tuple[float, ...]
                   ) -> list[Array]:
     """Return the sizes of the effect's variables to try: each alone, and the sizes together."""
     if any(f.knob.frequency for f in free):
@@ -129,7 +121,7 @@ def _shapes_to_try(free: tuple[Free, ...]) -> list[Array]:
     return [np.array(shaped) for shaped in itertools.product(*values)]
 
 
-def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
+def _oscillations(free: tuple[Free, ...], frequencies: Iterable[float]) -> list[Array]:
     """Return trials of an oscillation: the residual's strongest frequencies, four phases."""
     trials = []
     for frequency, phase in itertools.product(frequencies, (0.0, 1.571, 3.142, -1.571)):
@@ -145,23 +137,12 @@ def _oscillations(free: tuple[Free, ...], frequencies: Array) -> list[Array]:
     return trials
 
 
-ABOVE_NOISE = 15.0
-"""Multiple of the median power above which a line stands out: of noise, 1 in 30000 does."""
-
-PADDING = 8
-"""
-Number of parts of the frequency step that the record's length resolves, to which frequencies are
-told. Half of that step off, an oscillation ends as far out of phase as can be, and a fit stops at
-the wrong frequency.
-"""
-
-
 def strong_frequencies(problem: Problem, z: Array) -> Array:
     """Return the strongest frequencies, Hz, four at most, in what the first channel leaves."""
     predicted = problem.predict(z)
     time = problem.experiment.time
     if predicted is None or len(time) < 32:
-        return np.array([0.5])
+        return np.empty(0)
     name = problem.experiment.channels[0]
     residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
     even = np.linspace(time[0], time[-1], len(time))  # thinned rows are dense where steps are
@@ -180,7 +161,7 @@ def strong_frequencies(problem: Problem, z: Array) -> Array:
             k = int(np.argmax(ranking))
             found.append(float(frequency[k]))
             ranking[max(k - 3 * PADDING, 0):k + 3 * PADDING + 1] = 0.0
-    return np.array(sorted(set(found) - {0.0}) or [0.5])
+    return np.array(sorted(set(found) - {0.0}))
 
 
 @dataclass(frozen=True)
@@ -238,12 +219,12 @@ def _beside(reference: Reference, problem: Problem, joint: Problem) -> Reference
 
 def references(problem: Problem, found: Fit) -> list[Reference]:
     """
-    Return what to screen around: the fit, and the same effects with the parameters as given.
+    Return what to screen around: the fit, and the same effects with what is told at rest fitted.
 
     A refit without the effect may have bent the declared parameters so far to imitate it that
     the true ones are out of linear reach; the given ones are near them. But a pressure that is
-    off at every rest, as a gain may be off by a percent, hides what the given ones lack. So there
-    is a third place: what is told at rest fitted, all else as given.
+    off at every rest, as a gain may be off by a percent, hides what the given ones lack. With the
+    measured stem as a drive, nothing shifts the rests but what is looked for: it is none there.
     """
     given = problem.start()
     for j, free in enumerate(problem.freedoms):
@@ -251,10 +232,9 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
             given[j] = found.z[j]
     at_rest = [j for j, free in enumerate(problem.freedoms)
                if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
-    # with the measured stem as a drive, nothing shifts the rests but what is looked for
-    third = [fit_at(problem, _refitted(problem, given, at_rest))] if (
-        at_rest and not problem.experiment.pinned) else []
-    return [reference_at(problem, place) for place in (found, fit_at(problem, given), *third)]
+    if at_rest and not problem.experiment.pinned:
+        given = _refitted(problem, given, at_rest)
+    return [reference_at(problem, place) for place in (found, fit_at(problem, given))]
 
 
 def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
@@ -268,7 +248,7 @@ def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
     return found
 
 
-def screen(problem: Problem, around: list[Reference], name: str, frequencies: Array,
+def screen(problem: Problem, around: list[Reference], name: str, frequencies: Iterable[float] = (),
            multiples: tuple[float, ...] = SIZES) -> Screened:
     """Return the best of some sizes of an effect on top of a fitted problem, for each reference."""
     joint = with_effect(problem, EFFECTS[name])
@@ -277,60 +257,26 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: Ar
     for reference in (_beside(one, problem, joint) for one in around):
         trials = [_tried(problem, joint, reference, e)
                   for e in _sizes_to_try(free, frequencies, multiples)]
-        further = sorted(trials, key=lambda trial: trial.promised)[:LENGTHS]
+        further = sorted(trials, key=lambda trial: trial.promised)[:BEST]
         trials += [_lengthened(problem, joint, reference, trial) for trial in further]
         if trials:
             best = min(trials, key=lambda trial: trial.cost)
             found.append((best.cost, np.clip(best.z, *joint.bounds()), reference))
-    return _ranked(name, joint, found)
+    found.sort(key=lambda one: one[0])
+    return Screened(name, joint, tuple(z for _, z, _ in found), tuple(cost for cost, *_ in found),
+                    tuple(reference for *_, reference in found))
 
 
-def with_chord_steps(problem: Problem, quick: Screened) -> Screened:
-    """Return a screened effect with chord steps taken from its starts."""
+def first_steps(problem: Problem, quick: Screened) -> Fit:
+    """Return where first steps lead from the starts of a screened effect: the best of these."""
+    inner = range(len(problem.freedoms), len(quick.problem.freedoms))
     found = []
-    for cost, start, reference in zip(quick.costs, quick.starts, quick.around):
-        reached = (*_chord(problem, quick.problem, reference, start), reference)
-        # a promise that the steps did not keep may still be kept by a fit
-        found += [reached] if reached[0] < UNKEPT * cost else [(cost, start, reference), reached]
-    return _ranked(quick.effect, quick.problem, found)
-
-
-def _ranked(name: str, joint: Problem, found: list[tuple[float, Array, Reference]]) -> Screened:
-    """Return the starts that were found, best first, each place once."""
-    kept: list[tuple[float, Array, Reference]] = []
-    for one in sorted(found, key=lambda one: one[0]):
-        if not any(np.allclose(one[1], other, rtol=1e-3) for _, other, _ in kept):
-            kept.append(one)
-    return Screened(name, joint, tuple(z for _, z, _ in kept), tuple(cost for cost, *_ in kept),
-                    tuple(reference for *_, reference in kept))
-
-
-@dataclass(frozen=True, eq=False)
-class Promise:
-    """What an effect promises by linear reckoning: the cost, and where to fit from."""
-
-    effect: str
-    problem: Problem
-    start: Array
-    cost: float
-
-
-def promise(problem: Problem, reference: Reference, name: str, frequencies: Array
-            ) -> Promise | None:
-    """
-    Return what an effect promises on top of a fit, by a simulation of each of its sizes alone.
-
-    This is for small effects: their trace runs straight from a small size to the one that promises
-    most. None where the effect has no size to try.
-    """
-    joint = with_effect(problem, EFFECTS[name])
-    reference = _beside(reference, problem, joint)
-    trials = [_tried(problem, joint, reference, e) for e in _sizes_to_try(
-        joint.freedoms[len(problem.freedoms):], frequencies, SMALL)]
-    if not trials:
-        return None
-    best = min(trials, key=lambda trial: trial.promised)
-    return Promise(name, joint, _with_sizes(problem, reference.z, best.length), best.promised)
+    for start, reference in zip(quick.starts, quick.around):
+        slopes = np.insert(reference.jacobian, [inner.start] * len(inner), 0.0, axis=1)
+        slopes[:, inner] = quick.problem.differences(
+            start, quick.problem.residuals(start), inner, np.full(len(start), DIFFERENCE))
+        found.append(fit(quick.problem, [start], FIRST_STEPS, slopes=slopes))
+    return min(found, key=lambda one: one.cost)
 
 
 def _reach(problem: Problem, joint: Problem, reference: Reference, e: Array
@@ -347,7 +293,7 @@ def _tried(problem: Problem, joint: Problem, reference: Reference, e: Array) -> 
     left, z = _reach(problem, joint, reference, e)
     change = left - reference.left
     share = -float(reference.left @ change) / max(float(change @ change), 1e-300)
-    share = min(max(share, SHORTEST), LONGEST)
+    share = min(max(share, 0.0), LONGEST)
     neutral = np.where([f.knob.shape for f in free], e, _no_size(free))
     length = np.clip(neutral + share * (e - neutral), [f.low for f in free], [f.high for f in free])
     promised = reference.left + share * change
@@ -358,31 +304,3 @@ def _lengthened(problem: Problem, joint: Problem, reference: Reference, trial: _
     """Return the trial at the size that promised most."""
     left, z = _reach(problem, joint, reference, trial.length)
     return replace(trial, z=z, cost=float(left @ left))
-
-
-def _chord(problem: Problem, joint: Problem, reference: Reference, z: Array
-           ) -> tuple[float, Array]:
-    """Return the cost that chord steps from z reach, and z there."""
-    first = len(problem.freedoms)
-    low, high = joint.bounds()
-    r = joint.residuals(z)
-    cost = float(r @ r)
-    for _ in range(CHORD_STEPS):
-        columns = []
-        for j in range(first, len(joint.freedoms)):
-            moved = z.copy()
-            moved[j] += DIFFERENCE if z[j] + DIFFERENCE <= high[j] else -DIFFERENCE
-            columns.append((joint.residuals(moved) - r) / (moved[j] - z[j]))
-        jacobian = np.column_stack(
-            [reference.jacobian[:, :first], *columns, reference.jacobian[:, first:]])
-        step = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
-        before = cost
-        for share in CHORD_SHARES:
-            trial = np.clip(z + share * step, low, high)
-            found = joint.residuals(trial)
-            if float(found @ found) < cost:
-                z, r, cost = trial, found, float(found @ found)
-                break
-        if before - cost < WORTH_A_STEP * before:
-            break
-    return cost, z

@@ -1,7 +1,7 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Stepwise selection: effects are added, exchanged and deleted, by one comparison (`decide`).
+Stepwise selection: effects are added and deleted, by one comparison (`decide`).
 
 1. Refit the declared model.
 2. Ask the subsystem above the stem (fault isolation). Where it lacks nothing, only what belongs to
@@ -9,8 +9,7 @@ Stepwise selection: effects are added, exchanged and deleted, by one comparison 
 3. Add the effect with the best evidence among the neighbours, as long as the comparison accepts it.
    Of two missing effects, either alone may look like none: once, go on from the best one all the
    same, and accept both together or none.
-4. Where several effects leave more than noise, put others in the place of each; delete each effect
-   that is not called for beside the others.
+4. Of several effects, delete each that is not called for beside the others.
 5. Where much is left, smooth terms without a name compete with what was found.
 
 Every model that was compared is in the trace, with what the comparison said.
@@ -23,9 +22,10 @@ import itertools
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import (
-    NEARLY_ALL, NOISE, TIE, Comparison, accepted, compare, why_not)
+    NEARLY_ALL, NOISE, TIE, Comparison, TraceStep, accepted, compare, why_not)
 from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
-from booster_ros.diagnosis.selection.task import Model, Task, upstream_task
+from booster_ros.diagnosis.selection.task import (
+    Model, Task, by_observation, near_best, upstream_task)
 from booster_ros.diagnosis.selection.terms import best_terms
 from booster_ros.model.catalogue import EFFECTS
 
@@ -44,17 +44,6 @@ smoothing the measured stem may leave a reduced chi-square of 3.5 by itself.
 _BELOW = frozenset({'stem', 'sensor'})
 
 
-@dataclass(frozen=True)
-class Step:
-    """A comparison of the selection: a model against another, and what became of it."""
-
-    effects: tuple[str, ...]
-    against: tuple[str, ...]
-    reduced_chi2: float
-    found: Comparison
-    outcome: str
-
-
 @dataclass(frozen=True, eq=False)
 class Selection:
     """
@@ -67,21 +56,22 @@ class Selection:
     chosen: Model
     named: Model
     models: tuple[Model, ...]
-    trace: tuple[Step, ...]
+    trace: tuple[TraceStep, ...]
 
 
 class _Trace:
     """Models and steps so far: what is written down, and nothing that decides."""
 
     def __init__(self, root: Model):
-        self.root, self.models, self.steps = root, [root], list[Step]()
+        self.root, self.models, self.steps = root, [root], list[TraceStep]()
 
     def compared(self, task: Task, one: Model, other: Model, rivals: list[Model],
                  candidates: int) -> Comparison:
         """Return the comparison of two models, tempered by what the best of all rivals leaves."""
         found = comparison(task, one, other, [*rivals, one, other])
-        self.steps.append(Step(one.effects, other.effects, one.reduced_chi2, found,
-                               why_not(found, candidates) or 'accepted'))
+        self.steps.append(TraceStep(
+            one.effects, other.effects, one.reduced_chi2, found.log_evidence, found.gain,
+            found.standard_error, found.dispersion, why_not(found, candidates) or 'accepted'))
         return found
 
 
@@ -116,9 +106,7 @@ def select(task: Task, tell: Progress) -> Selection:
     chosen = _added(task, root, parent, trace, tell)
     # beside friction, what lies above the stem was judged where slips do not blur it
     if len(chosen.effects) > 1 and chosen.problem.observation is not WINDOWS:
-        tell('exchanging effects', 0.65)
-        if _leaves_structure(chosen, root):
-            chosen = _exchanged(task, chosen, trace)
+        tell('deleting effects', 0.65)
         chosen = _deleted(task, chosen, trace)
     named = chosen
     if _leaves_structure(chosen, root):
@@ -204,38 +192,12 @@ def _best(task: Task, found: list[Model]) -> Model | None:
     others by statistics of windows.
     """
     order = list(EFFECTS)
-    groups = []
-    for observation in dict.fromkeys(one.problem.observation for one in found):
-        same = [one for one in found if one.problem.observation is observation]
-        c = min(same, key=lambda one: one.score.cost).score.dispersion
-        top = max(one.score.log_evidence(c) for one in same)
-        groups.append(min((one for one in same if one.score.log_evidence(c) > top - TIE),
-                          key=lambda one: order.index(one.effects[-1])))
-    if len(groups) < 2:
-        return groups[0] if groups else None
-    first, second = sorted(groups, key=lambda one: one.problem.observation is WINDOWS)
-    return second if comparison(task, second, first, groups).log_evidence > TIE else first
-
-
-def _exchanged(task: Task, chosen: Model, trace: _Trace) -> Model:
-    """
-    Return the model with another effect in the place of one of its effects, if that is better.
-
-    The first effect was chosen while the later ones were missing, and may have imitated them. In
-    the place of the last one, all others have been tried already.
-    """
-    for name in chosen.effects[:-1]:
-        if leaves_noise(chosen):
-            break
-        parent = refitted(task, chosen.but(name), chosen.fit)
-        found = neighbours(task, parent, tuple(
-            other for other in _names(task, parent) if other != name))
-        trace.models += [parent, *found.near, *found.far]
-        best = _best(task, found.near)
-        if best is not None and trace.compared(
-                task, best, chosen, found.near, 1).log_evidence > TIE:
-            chosen = best
-    return chosen
+    best = [min(near_best(same, TIE), key=lambda one: order.index(one.effects[-1]))
+            for same in by_observation(found)]
+    if len(best) < 2:
+        return best[0] if best else None
+    first, second = sorted(best, key=lambda one: one.problem.observation is WINDOWS)
+    return second if comparison(task, second, first, best).log_evidence > TIE else first
 
 
 def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
@@ -271,8 +233,6 @@ def _replaced(task: Task, chosen: Model, unnamed: list[Model], trace: _Trace) ->
     """Return the best term without a name where the record calls for it in the place of names."""
     if not unnamed:
         return chosen
-    c = min(unnamed, key=lambda one: one.score.cost).score.dispersion
-    top = max(one.score.log_evidence(c) for one in unnamed)
-    best = next(one for one in unnamed if one.score.log_evidence(c) > top - TIE)
+    best = near_best(unnamed, TIE)[0]
     found = trace.compared(task, best, chosen, unnamed, len(unnamed))
     return best if accepted(found, len(unnamed)) else chosen

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The identification task: an experiment, its blocks, what is declared, and what may be lacking."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -96,6 +97,23 @@ class Task:
         problem = replace(model.problem, observation=other.problem.observation,
                           experiment=other.problem.experiment, rows=other.problem.rows)
         return self.scored(model.effects, problem, fit_at(problem, model.fit.z))
+
+
+def by_observation(models: Sequence[Model]) -> list[list[Model]]:
+    """Return the models in groups, each of which is observed alike."""
+    return [[one for one in models if one.problem.observation is observation]
+            for observation in dict.fromkeys(one.problem.observation for one in models)]
+
+
+def near_best(models: Sequence[Model], behind: float) -> list[Model]:
+    """
+    Return the models whose log evidence is less than so far behind that of the best one.
+
+    They are observed alike, and tempered by what the one leaves that comes nearest.
+    """
+    c = min(models, key=lambda one: one.score.cost).score.dispersion
+    top = max(one.score.log_evidence(c) for one in models)
+    return [one for one in models if one.score.log_evidence(c) > top - behind]
 
 
 def thinned(experiment: Experiment, factor: int) -> tuple[Experiment, Array]:

@@ -13,10 +13,10 @@ speeds and thermal resistances stay as they are.
 from dataclasses import replace
 import math
 
-from booster_ros.model.catalogue import Knob
-from booster_ros.model.gas import ATMOSPHERE
-from booster_ros.model.parameters import DESCRIPTIONS
-from booster_ros.model.system import PositionerParameters
+from .catalogue import Knob
+from .gas import ATMOSPHERE
+from .parameters import DESCRIPTIONS
+from .system import PositionerParameters
 
 
 PAPER = PositionerParameters()

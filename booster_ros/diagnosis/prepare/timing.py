@@ -1,10 +1,15 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Commands that were read now and then, as a plant's historian does, not recorded as they were given.
+When commands were given that a record has in the row after, or in the row before.
 
-The valve took each command at some moment in the row before. The record tells that it is so, as it
-shows what the valve has made of a command before it shows the command. Then
+**Another clock.** One that stamps rows as they arrive does not know when between two of them the
+valve took a command: it may have been anywhere in a row, with a standard deviation of the row's
+length over sqrt(12). What that does to the model is noise.
+
+**A historian.** Commands that were read now and then were given at some moment in the row before.
+The record tells that it is so, as it shows what the valve has made of a command before it shows the
+command. Then
 
 1. the command is taken to run straight from row to row: a command that moves on slowly did so;
 2. where commands jump, the declared model is run several times with each jump at either end of its
@@ -16,24 +21,63 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
+
+EVEN = 1e-3
+"""Unevenness of the spacing of rows, relative to their distance, below which rows and drive have
+one clock."""
+
+DRAWS = 8
+"""Number of runs, in each of which every command is drawn anew: what they differ by is known to a
+quarter, and what two jumps leave may cancel in one of them."""
 
 AHEAD = 0.2
 """What the valve has done before the row of a command, as a share of what the command does after
 it, above which commands were read now and then."""
 
-JUMP = 0.05
-"""Smallest jump of the command, relative to its range."""
-
 FEWEST = 5
 """Smallest number of jumps that tell: those before which the model moves by less than AHEAD, as a
 share of what it does next. A valve at rest looks ahead by as much as the model was on its way."""
 
-DRAWS = 8
-"""Number of runs, in each of which every jump is drawn anew at either end of its row: what two
-jumps leave may cancel."""
+
+def commands_may_be_late(experiment: Experiment) -> bool:
+    """
+    Tell whether rows are stamped by another clock than that of the commands.
+
+    Commands that were read now and then are known no closer, and run straight from row to row.
+    """
+    if (experiment.quasi_static or experiment.ends is not None
+            or np.ptp(experiment.current) == 0.0):
+        return False
+    steps = np.diff(experiment.time)
+    usual = np.median(steps)
+    return float(np.quantile(np.abs(steps - usual), 0.9)) >= EVEN * usual
+
+
+def with_late_commands(experiment: Experiment, rng: np.random.Generator) -> Experiment:
+    """
+    Return the experiment with some of its rows, drawn, commanded as the row before them.
+
+    As many as give the delay the standard deviation of one that is anywhere in a row, sqrt(1/12):
+    its square is their share times the share of the others.
+    """
+    late = 0.5 - np.sqrt(1.0 / 6.0)
+    before = np.append(experiment.current[:1], experiment.current[:-1])
+    return replace(experiment, current=np.where(
+        rng.random(len(before)) < late, before, experiment.current))
+
+
+def with_noise_of_timing(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """Return the experiment with the noise of each channel at least what late commands leave."""
+    rng = np.random.default_rng(1)
+    taken = experiment.predict(declared)
+    runs = [with_late_commands(experiment, rng).predict(declared) for _ in range(DRAWS)]
+    return replace(experiment, noise={
+        name: max(level, float(np.sqrt(np.mean([(run[name] - taken[name])**2 for run in runs]))))
+        for name, level in experiment.noise.items()})
 
 
 def with_sampled_commands(experiment: Experiment, declared: PositionerParameters) -> Experiment:
@@ -42,7 +86,7 @@ def with_sampled_commands(experiment: Experiment, declared: PositionerParameters
         return experiment
     current = experiment.current
     following = np.append(current[1:], current[-1:])
-    jumps = np.abs(following - current) > JUMP * np.ptp(current)
+    jumps = np.abs(following - current) > LITTLE * np.ptp(current)
     rng = np.random.default_rng(1)
     runs = []
     for _ in range(DRAWS):
@@ -75,7 +119,7 @@ def _ahead_of_commands(experiment: Experiment, declared: PositionerParameters) -
     apart = float(np.median(np.diff(experiment.time)))
     if np.ptp(current) == 0.0 or apart < declared.ep_converter.time_constant:
         return False
-    jumps = 1 + np.flatnonzero(np.abs(np.diff(current[:-1])) > JUMP * np.ptp(current))
+    jumps = 1 + np.flatnonzero(np.abs(np.diff(current[:-1])) > LITTLE * np.ptp(current))
     predicted = experiment.predict(declared)
     return any(_ahead(measured, predicted[name], jumps, experiment.noise[name])
                for name, measured in experiment.measured.items())

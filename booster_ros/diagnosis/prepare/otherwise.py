@@ -1,0 +1,226 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a record may be instead of what it says: a table of suppositions, judged by one rule.
+
+| supposed | the record under that | asked where |
+|---|---|---|
+| time is in another unit | its time in that unit | rows are not as far apart as is usual |
+| pressures are in mbar | a hundred times as much | they are far below the supply |
+| pressures are absolute | an atmosphere less | they are never below the atmosphere |
+| the supply is another one's | the supply as declared | a supply was measured |
+| the current is reversed | a current less the recorded one | pressure falls as it rises |
+| the position is reversed | its negative | there is a position |
+
+Fitted all the same, such a record comes out as an effect: a chamber in absolute pressure as a
+process that pushes on the plug, a supply as a dead band, a current of a reverse-acting converter as
+one in which nearly all is missing. A record is what is supposed where the declared model then
+misses less than EXPLAINED of what it misses of the record as it is (`is_otherwise`).
+"""
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
+import itertools
+
+import numpy as np
+from scipy.constants import day, hour, micro, milli, minute, nano
+from scipy.optimize import minimize_scalar
+from scipy.stats import spearmanr
+
+from booster_ros.diagnosis.data.experiment import Experiment, rmse
+from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.prepare.plausibility import LITTLE, driven, known, stem_alone
+from booster_ros.diagnosis.prepare.rows import DWELL_FILLED
+from booster_ros.model.gas import ATMOSPHERE
+from booster_ros.model.system import PositionerParameters
+from booster_ros.records import RecordError
+
+Array = np.ndarray
+Pair = tuple[Experiment, Experiment, str]
+Supposition = Callable[[Experiment, PositionerParameters], Iterator[Pair]]
+
+EXPLAINED = 0.3
+"""Share of the declared model's error that is left where the record is taken otherwise, below which
+it is to be taken so: a tenth of its square."""
+
+SMALLEST = 1e-12
+"""Least that a channel is taken to move (SI): errors are told as shares of how much it moves."""
+
+PRESSURES = ('supply_pressure', 'back_pressure', 'chamber_pressure')
+
+SECONDS = {'nanoseconds': nano, 'microseconds': micro, 'milliseconds': milli, 'minutes': minute,
+           'hours': hour, 'days': day}
+USUAL_STEP = (1e-3, 1.0)
+"""Usual distance of rows in seconds, below the second. Time is in another unit only if rows are not
+so far apart, and would be in that unit."""
+
+FEW = 400
+"""Number of rows that tell how the declared model does where it has settled in each: what lasts for
+months in microseconds is not run through."""
+
+STARTS = 41
+"""Number of currents, over twice what opens the converter fully, from the best of which the search
+for the current that was taken the other way begins: all but a few leave the valve shut or open."""
+
+
+def is_otherwise(recorded: Experiment, taken: Experiment, declared: PositionerParameters) -> bool:
+    """
+    Tell whether the declared model misses a record far less if it is taken otherwise.
+
+    Errors are summed over channels, each as a share of how much the channel moves at the most, as
+    measured or as predicted: as a share of what a dead sensor does, its error would outweigh all
+    else.
+    """
+    both = [(one.measured, one.predict(declared)) for one in (recorded, taken)]
+    sizes = {name: max(SMALLEST, *(
+        float(np.nanstd(values[name])) for one in both for values in one))
+             for name, measured in recorded.measured.items() if len(known(measured))}
+    before, after = (sum(
+        rmse(measured[name], predicted[name], np.ones(len(measured[name]), dtype=bool)) / size
+        for name, size in sizes.items()) for measured, predicted in both)
+    return after < EXPLAINED * before
+
+
+def check_taken_otherwise(
+    experiment: Experiment, declared: PositionerParameters, source: str
+) -> None:
+    """Raise RecordError where the declared model moves as measured under a supposition."""
+    for supposition in SUPPOSITIONS:
+        for recorded, taken, said in supposition(experiment, declared):
+            if is_otherwise(recorded, taken, declared):
+                raise RecordError(f'{source}, column {said}')
+
+
+def _another_unit_of_time(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    step = float(np.median(np.diff(experiment.time)))
+    if experiment.quasi_static or USUAL_STEP[0] <= step < USUAL_STEP[1]:
+        return
+    as_given = _closer(experiment) if step > DWELL_FILLED else experiment
+    for unit, seconds in SECONDS.items():
+        if USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]:
+            yield as_given, replace(experiment, time=seconds * experiment.time), (
+                f'time: rows {step:.3g} s apart do not suit the declared model, which moves as '
+                f'measured if they are {step:.3g} {unit} apart: convert the column to seconds')
+
+
+def _closer(experiment: Experiment) -> Experiment:
+    """Return fewer rows, each of which stands until everything has settled, and no longer."""
+    thin, _ = experiment.thinned(max(len(experiment.time) // FEW, 1))
+    return replace(thin, time=DWELL_FILLED * np.arange(len(thin.time)))
+
+
+def _pressures(experiment: Experiment) -> dict[str, Array]:
+    """Return the pressures of a record, where it has them."""
+    seen = {name: known(values)
+            for name, values in {**experiment.measured, **experiment.pinned}.items()}
+    return {name: seen[name] for name in PRESSURES if name in seen and len(seen[name])}
+
+
+def _with_pressures(
+    experiment: Experiment, names: Collection[str], factor: float, less: float
+) -> Experiment:
+    """Return the experiment with these pressures taken times a factor, less something."""
+    measured, pinned = ({name: factor * values - less if name in names else values
+                         for name, values in channels.items()}
+                        for channels in (experiment.measured, experiment.pinned))
+    start = experiment.initial
+    if 'chamber_pressure' in names:
+        start = replace(start, chamber_pressure=factor * start.chamber_pressure - less)
+    return replace(experiment, measured=measured, pinned=pinned, initial=start)
+
+
+def _in_mbar(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    most = {name: float(np.max(values)) for name, values in _pressures(experiment).items()}
+    small = [name for name, reached in most.items()
+             if 0.0 < reached < LITTLE * declared.supply.pressure]
+    if small:
+        yield experiment, _with_pressures(experiment, small, 100.0, 0.0), (
+            f'{" and ".join(small)}: never exceeds {max(most[name] for name in small):.4g} Pa, and '
+            'the declared model moves as measured with a hundred times as much: convert to Pa, '
+            'gauge (from mbar: times 100)')
+
+
+def _absolute(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    high = [name for name, values in _pressures(experiment).items()
+            if np.min(values) > (1.0 - LITTLE) * ATMOSPHERE]
+    for names in itertools.chain(*(
+            itertools.combinations(high, n) for n in range(1, len(high) + 1))):
+        said = (f'{" and ".join(names)}: the declared model moves as measured with an atmosphere '
+                'less, which looks like absolute pressure: subtract that of the atmosphere')
+        yield experiment, _with_pressures(experiment, names, 1.0, ATMOSPHERE), said
+        if names == ('chamber_pressure',) and _an_atmosphere_above(experiment, declared):
+            # above a booster with a dead band no atmosphere is steady: the stem tells
+            alone = stem_alone(experiment)
+            yield alone, _with_pressures(alone, names, 1.0, ATMOSPHERE), said
+
+
+def _an_atmosphere_above(experiment: Experiment, declared: PositionerParameters) -> bool:
+    """Tell whether the chamber is nearer the declared model with an atmosphere less."""
+    if not {'chamber_pressure', 'valve_position'} <= set(experiment.measured):
+        return False
+    above = experiment.measured['chamber_pressure'] - experiment.predict(
+        declared)['chamber_pressure']
+    return float(np.nanmedian(above)) > 0.5 * ATMOSPHERE
+
+
+def _another_supply(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    others = dict(experiment.pinned)
+    supply = others.pop('supply_pressure', None)
+    if supply is not None and not experiment.quasi_static:
+        yield experiment, replace(experiment, pinned=others), (
+            f'supply_pressure: never exceeds {np.max(supply):.4g} Pa, and the declared model moves '
+            f'as measured with {declared.supply.pressure:.4g} Pa: it is not what fed the booster; '
+            'correct the column, or leave it out')
+
+
+def _reversed_current(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    name = next((name for name in PRESSURES if name in experiment.measured), None)
+    if name is None or experiment.quasi_static:
+        return
+    measured = experiment.measured[name]
+    rows = np.isfinite(measured)
+    both = experiment.current[rows], measured[rows]
+    if any(len(np.unique(each)) < 2 for each in both) or spearmanr(*both).statistic >= 0.0:
+        return
+    alone = replace(experiment, measured={name: measured})
+    most = float(np.max(experiment.current))
+    full = declared.supply.pressure / declared.ep_converter.gain
+
+    def turned(further: float) -> Experiment:
+        return replace(alone, current=most + further * full - experiment.current)
+
+    def left(further: float) -> float:
+        return rmse(measured, turned(further).predict(declared)[name], rows)
+
+    tried, step = np.linspace(0.0, 2.0, STARTS, retstep=True)
+    best = tried[int(np.argmin(side_by_side(left, tried)))]
+    found = minimize_scalar(left, bounds=(best - step, best + step), method='bounded').x
+    yield alone, turned(found), (
+        f'control_current: the declared model moves as measured with {most + found * full:.4g} A '
+        'less the current: the converter is reverse-acting, or the wires are swapped; convert the '
+        'column to the current of a direct-acting one')
+
+
+def _reversed_position(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    position = experiment.measured.get('valve_position', np.empty(0))
+    if not len(known(position)):
+        return
+    alone = driven(experiment)
+    predicted = alone.predict(declared)['valve_position'][np.isfinite(position)]
+
+    def counted(way: float) -> Experiment:
+        """Return the record with its position that way up, from wherever suits the model best."""
+        return replace(alone, measured={'valve_position': way * position + float(
+            np.mean(predicted - way * known(position)))})
+
+    yield counted(1.0), counted(-1.0), (
+        'valve_position: lies mostly below 0 and falls where the declared model opens: reverse its '
+        'sign, positions count from where the vented stem rests' if np.nansum(position) < 0.0 else
+        'valve_position: falls where the declared model opens: positions count from where the '
+        'vented stem rests, which is open for a valve that air closes (subtract them from the '
+        'travel)')
+
+
+SUPPOSITIONS: tuple[Supposition, ...] = (
+    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_current,
+    _reversed_position)
