@@ -18,7 +18,7 @@ one in which nearly all is missing. A record is what is supposed where the decla
 misses less than EXPLAINED of what it misses of the record as it is (`is_otherwise`).
 """
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 import itertools
 
@@ -30,7 +30,7 @@ from scipy.stats import spearmanr
 from booster_ros.diagnosis.data.experiment import Experiment, rmse
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.prepare.plausibility import LITTLE, driven, known, stem_alone
-from booster_ros.diagnosis.prepare.rows import DWELL_FILLED
+from booster_ros.diagnosis.prepare.rows import DWELL_FILLED, check_length
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -85,7 +85,15 @@ def check_taken_otherwise(
     experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
     """Raise RecordError where the declared model moves as measured under a supposition."""
-    for supposition in SUPPOSITIONS:
+    _check(OF_TIME, experiment, declared, source)
+    if not experiment.quasi_static:
+        check_length(experiment.time, source)  # days may be milliseconds: that is asked before
+    _check(SUPPOSITIONS, experiment, declared, source)
+
+
+def _check(suppositions: Sequence[Supposition], experiment: Experiment,
+           declared: PositionerParameters, source: str) -> None:
+    for supposition in suppositions:
         for recorded, taken, said in supposition(experiment, declared):
             if is_otherwise(recorded, taken, declared):
                 raise RecordError(f'{source}, column {said}')
@@ -221,6 +229,7 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
         'travel)')
 
 
+OF_TIME: tuple[Supposition, ...] = (_another_unit_of_time,)
 SUPPOSITIONS: tuple[Supposition, ...] = (
-    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_current,
+    _in_mbar, _absolute, _another_supply, _reversed_current,
     _reversed_position)

@@ -106,10 +106,6 @@ def _check_time(record: Record) -> None:
     """Raise RecordError where rows are closer than a valve's, or a gap is longer than all else."""
     time = record['time']
     steps = np.diff(time)
-    if time[-1] - time[0] > LONGEST_RUN:
-        raise RecordError(
-            f'{record.source}, column time: lasts {time[-1] - time[0]:.3g} s, and no more than '
-            f'{LONGEST_RUN:g} s are compared with the model: time must be in s, or cut the record')
     if np.median(steps) < CLOSEST_ROWS:
         raise RecordError(
             f'{record.source}, column time: rows are {np.median(steps):.3g} s apart, and no valve '
@@ -120,6 +116,14 @@ def _check_time(record: Record) -> None:
             f'{record.source}, row {record.rows[longest + 1]}, column time: a gap of '
             f'{steps[longest]:.4g} s, longer than all the rest of the record: make two records of '
             'it, one before and one behind the gap')
+
+
+def check_length(time: Array, source: str) -> None:
+    """Raise RecordError where a run over these times would take minutes, and hundreds hours."""
+    if time[-1] - time[0] > LONGEST_RUN:
+        raise RecordError(
+            f'{source}, column time: lasts {time[-1] - time[0]:.3g} s, and no more than '
+            f'{LONGEST_RUN:g} s are compared with the model: time must be in s, or cut the record')
 
 
 def _check_sweep(time: Array, source: str) -> None:
