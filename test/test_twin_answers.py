@@ -175,6 +175,8 @@ def test_a_model_is_kept_that_predicts_better_and_in_no_channel_worse():
     assert 'chamber_pressure 1 kPa to 1 kPa, valve_position 100 µm to 20 µm' in better.sentence
     assert tried(0.99e3, 0.99e-4).sentence.startswith('it predicted the next 20 s no better')
     assert 'chamber_pressure worse' in tried(1.1e3, 1e-5).sentence
+    assert tried(1.055e3, 1e-5).is_kept  # 1.1 times and 150 Pa of noise
+    assert not tried(1.065e3, 1e-5).is_kept
     assert not tried(1.1e3, 1e-5).is_kept
     assert not tried(1e2, 2e-4).is_kept
 
