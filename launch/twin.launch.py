@@ -136,7 +136,7 @@ def generate_launch_description() -> LaunchDescription:
                         'adopt_confirmed': ParameterValue(
                             LaunchConfiguration('adopt_confirmed'), value_type=bool
                         ),
-                        'rate': 10.0,
+                        'rate': 4.0,
                     }
                 ],
                 output='screen',

@@ -20,6 +20,7 @@ from booster_ros.twin.settings import check
 from booster_ros.twin.store import Store, StoreError
 from booster_ros.twin.summaries import Summary
 from booster_ros.twin.trends import Counters
+from booster_ros.twin.twin import Twin
 
 pytestmark = pytest.mark.unit
 
@@ -222,6 +223,21 @@ def test_nothing_is_promised_before_the_valve_has_shown_how_it_is():
     alarms.note(blocks[59])
     assert alarms.promised
     assert alarms.lacking == ''
+
+
+@pytest.mark.parametrize('portion', [1, 7, 100])
+def test_blocks_have_their_length_however_seldom_samples_are_used(portion):
+    rows, blocks = record(seconds=60.0), []
+    twin = Twin(from_values({}), Settings(block=2.0, learning=1e6))
+    for k in range(len(rows['time'])):
+        for name in ('control_current', 'chamber_pressure', 'valve_position'):
+            twin.add(name, float(rows['time'][k]), float(rows[name][k]))
+        if k % portion == portion - 1:
+            twin.update()
+            blocks = twin.alarms and twin.alarms.as_values()['first']
+    begins = np.array([begin for begin, *_ in blocks])
+    np.testing.assert_allclose(np.diff(begins), 2.0)
+    assert len(blocks) >= 20
 
 
 # Health, trends, what is kept, parameters

@@ -126,6 +126,16 @@ def test_a_clock_that_goes_back_begins_anew():
     assert history.record() == {}
 
 
+def test_a_silence_is_no_part_of_a_record():
+    history = History(60.0)
+    history.add(rows_of([0.0, 0.5], valve_position=[1.0, 2.0]))
+    history.add(rows_of([3.0, 3.5], valve_position=[3.0, 4.0]))
+    np.testing.assert_allclose(history.record()['time'], [3.0, 3.5])
+    history.add(rows_of([4.0, 6.0, 6.9], valve_position=[5.0, 6.0, 7.0]))
+    np.testing.assert_allclose(history.record()['time'], [6.0, 6.9])
+    assert history.begin == 6.0
+
+
 def test_what_is_kept_is_a_record(tmp_path):
     columns = valve(seconds=20.0)
     columns['valve_position'][50:60] = np.nan
@@ -165,6 +175,8 @@ def test_a_model_is_kept_that_predicts_better_and_in_no_channel_worse():
     assert 'chamber_pressure 1 kPa to 1 kPa, valve_position 100 µm to 20 µm' in better.sentence
     assert tried(0.99e3, 0.99e-4).sentence.startswith('it predicted the next 20 s no better')
     assert 'chamber_pressure worse' in tried(1.1e3, 1e-5).sentence
+    assert tried(1.055e3, 1e-5).is_kept  # 1.1 times and 150 Pa of noise
+    assert not tried(1.065e3, 1e-5).is_kept
     assert not tried(1.1e3, 1e-5).is_kept
     assert not tried(1e2, 2e-4).is_kept
 
@@ -357,6 +369,15 @@ def test_a_verdict_says_which_record_would_decide(tmp_path):
     assert told.sentence == ('the valve has stem friction (likely), since 1.0 s; it may be '
                              'position backlash instead; this would decide: slow triangle')
     assert not told.is_confirmed
+    sure = {**unsure, 'standing': 'confirmed', 'explained': 0.9, 'confused_with': []}
+    assert verdict_of(reported(tmp_path, effects=[sure]), 1.0).is_confirmed
+    told = verdict_of(reported(
+        tmp_path, effects=[sure], summary='The model lacks x, and more than that. It.'), 1.0)
+    assert told.sentence == ('the valve has stem friction (explains 90 % of what was missing, '
+                             'confirmed), and more than that, since 1.0 s')
+    assert not told.is_confirmed
+    little = {**sure, 'explained': 0.001}
+    assert not verdict_of(reported(tmp_path, effects=[little]), 1.0).is_confirmed
     told = verdict_of(reported(tmp_path, verdict='none', effects=[]), 1.0)
     assert (told.kind, told.sentence) == ('nothing', 'The model lacks x. More.')
     told = verdict_of(reported(tmp_path, verdict='unknown'), 1.0)

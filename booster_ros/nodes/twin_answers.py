@@ -70,6 +70,7 @@ class Answers:
         if self.verdict is not None:
             if self.verdict.adoption == TRYING:
                 self._conclude('rolled back: the twin ended during the trial')
+                self._log.warning(f'the found model was {self.verdict.adoption}')
             self._publish()
         if recalled.on_trial is not None:
             self.on_trial = recalled.on_trial

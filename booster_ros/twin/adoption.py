@@ -7,7 +7,10 @@ What decides is set before the trial begins. Over the rows in which both models 
 mean squares of what each leaves, in squares of the noise, are compared. The new model is kept if
 
     mean over all channels <= LESS * that of the old one   and
-    in no channel more than MORE * that of the old one.
+    in no channel more than MORE * that of the old one, and the noise's own mean square.
+
+What a model gets worse by less than the noise nobody reads from one sample; a refit moves the
+declared parameters of a channel whose part has not changed by about as much.
 
 The trial is over when there have been `length` s of such rows. They are data that neither model has
 been fitted to (validation on fresh data; L. Ljung, System Identification, 1999, section 16.5).
@@ -27,7 +30,8 @@ LESS = 0.9
 """Largest mean square of the new model over all channels, relative to the old one's."""
 
 MORE = 1.1
-"""Largest mean square of the new model in any one channel, relative to the old one's."""
+"""Largest mean square of the new model in any one channel, relative to the old one's, beside the
+noise's."""
 
 LONGEST_STEP = 0.5
 """Time, s, between two rows up to which it counts as time of the trial."""
@@ -85,7 +89,8 @@ class Trial:
             old, 1e-300) for name, (old, _) in compared.items()}
         before, after = (sum(weights[name] * one[k] for name, one in compared.items())
                          for k in (0, 1))
-        worse = [name for name, (old, new) in compared.items() if new > MORE * old]
+        worse = [name for name, (old, new) in compared.items()
+                 if new > MORE * old + noise.get(name, 0.0)**2]
         told = ', '.join(f'{name} {_shown(name, old)} to {_shown(name, new)}'
                          for name, (old, new) in compared.items())
         if after > LESS * before:

@@ -17,6 +17,10 @@ Array = np.ndarray
 LONGEST_GAP = 0.5
 """Longest time, s, between two readings of a channel within which a row between them has one."""
 
+LONGEST_SILENCE = 1.0
+"""Time, s, without any row after which a record begins anew: what drives the valve is not known
+there, and nothing can be compared until its chamber has forgotten it."""
+
 MOST_ROWS = 200_000
 """Rows that are kept at the most, whatever comes how often."""
 
@@ -25,7 +29,7 @@ FEWEST_ROWS = 100
 
 
 class History:
-    """Keeps the rows of the last `span` s; at a jump of the clock it begins anew."""
+    """Keeps the rows of the last `span` s; after a silence or a jump of the clock begins anew."""
 
     def __init__(self, span: float) -> None:
         self.span = span
@@ -49,13 +53,17 @@ class History:
 
     def add(self, rows: Mapping[str, Array]) -> None:
         """Take rows as `Aligner.rows` gives them, later than those before."""
-        count = len(rows['time'])
-        if not count:
+        time = rows['time']
+        if not len(time):
             return
-        if self._pieces and not rows['time'][0] > self.end:
+        if self._pieces and not 0.0 < time[0] - self.end <= LONGEST_SILENCE:
             self.clear()
+        silences = np.flatnonzero(np.diff(time) > LONGEST_SILENCE)
+        if len(silences):
+            self.clear()
+            rows = {name: values[silences[-1] + 1:] for name, values in rows.items()}
         self._pieces.append(dict(rows))
-        self._rows += count
+        self._rows += len(rows['time'])
         while len(self._pieces) > 1 and (
                 self.end - self._pieces[0]['time'][-1] > self.span or self._rows > MOST_ROWS):
             self._rows -= len(self._pieces.popleft()['time'])

@@ -51,6 +51,17 @@ class Prediction(NamedTuple):
     left: dict[str, Array]
     """Reading less what the model says, NaN where either is missing or a part settles."""
 
+    def part(self, rows: slice) -> 'Prediction':
+        """Return some of the rows."""
+        return Prediction(self.time[rows], *(
+            {name: values[rows] for name, values in one.items()} for one in self[1:]))
+
+    def followed_by(self, next_rows: 'Prediction') -> 'Prediction':
+        """Return these rows and those that come next."""
+        return Prediction(np.concatenate([self.time, next_rows.time]), *(
+            {name: np.concatenate([values, more[name]]) for name, values in one.items()}
+            for one, more in zip(self[1:], next_rows[1:])))
+
 
 class Predictor:
     """

@@ -17,7 +17,7 @@ from .health import Health, health
 from .history import History
 from .memory import digest_of
 from .predictor import COMPARED, POSITION, PRESSURE, Predictor, Prediction
-from .summaries import KINDS, Summary, summary
+from .summaries import KINDS, summary
 
 LISTENING = 3.0
 """Time, s, after which the channels that have come are those that the valve has."""
@@ -91,7 +91,7 @@ class Twin:
         self._begun = math.nan
         self._noise: dict[str, float] = {}
         self._misfit: dict[str, float] = {}
-        self._block: list[Prediction] = []
+        self._block: Prediction | None = None
 
     @property
     def parameters(self) -> PositionerParameters:
@@ -102,7 +102,7 @@ class Twin:
         """Run another model from now on; what is healthy for it has to be learnt anew."""
         self._parameters = parameters
         self._predictor = self._alarms = None
-        self._block, self._misfit, self.latched = [], {}, []
+        self._block, self._misfit, self.latched = None, {}, []
 
     def try_out(self, parameters: PositionerParameters, seconds: float) -> None:
         """Run another model on trial: `seconds` s beside the one so far, see `adoption`."""
@@ -121,7 +121,7 @@ class Twin:
         if not outcome.is_kept:
             (self._parameters, self._predictor, self._alarms, self._misfit,
              self.latched) = self._before
-            self._block = []
+            self._block = None
         self.trial = self._before = None
         return outcome
 
@@ -202,7 +202,7 @@ class Twin:
             if self._before is not None:
                 self._before.predictor.restart()
             self.history.clear()
-            self._block = []
+            self._block = None
         rows = self.aligner.rows()
         if not len(rows['time']):
             return []
@@ -213,12 +213,19 @@ class Twin:
         if not len(said.time):
             return []
         self._show(said)
-        self._block.append(said)
-        first, last = self._block[0].time[0], said.time[-1]
-        if last - first < self.settings.block:
-            return []
-        found = self._end_block()
+        found = self._end_blocks(said)
         self.latched = [*self.latched, *found]
+        return found
+
+    def _end_blocks(self, said: Prediction) -> list[Alarm]:
+        """Judge the blocks that these rows complete, whatever the portions in which they come."""
+        found = []
+        rows = said if self._block is None else self._block.followed_by(said)
+        while len(rows.time) and rows.time[-1] - rows.time[0] >= self.settings.block:
+            end = int(np.searchsorted(rows.time, rows.time[0] + self.settings.block))
+            found += self._judge(rows.part(slice(end)))
+            rows = rows.part(slice(end, None))
+        self._block = rows
         return found
 
     @property
@@ -253,20 +260,13 @@ class Twin:
                     float(said.time[k]), float(read[k]), float(values[k]),
                     self._misfit.get(name, math.nan), self._noise.get(name, math.nan))
 
-    def _end_block(self) -> list[Alarm]:
-        pieces, self._block = self._block, []
-        time = np.concatenate([one.time for one in pieces])
-        names = list(pieces[0].said)
-        said, left, read = (
-            {name: np.concatenate([of[name] for of in ofs]) for name in names}
-            for ofs in ([one.said for one in pieces], [one.left for one in pieces],
-                        [one.read for one in pieces]))
-        for name in names:
-            self._follow(self._noise, name, white_noise(read[name]))
-            known = left[name][np.isfinite(left[name])]
+    def _judge(self, rows: Prediction) -> list[Alarm]:
+        for name, left in rows.left.items():
+            self._follow(self._noise, name, white_noise(rows.read[name]))
+            known = left[np.isfinite(left)]
             if len(known):
                 self._follow(self._misfit, name, float(np.sqrt(np.mean(known**2))))
-        block = summary(time, said, left, self.spans)
+        block = summary(rows.time, rows.said, rows.left, self.spans)
         assert self._alarms is not None
         return [] if block is None else self._alarms.note(block)
 
@@ -296,6 +296,3 @@ class Twin:
             and not -BEYOND + 1.0 <= now.read / self.spans[name] <= BEYOND]
         worst = {(one.channel, one.kind): one.sentence for one in self.latched}
         return health(self.silent(), list(worst.values()), beyond, lacking)
-
-
-__all__ = ['Now', 'Settings', 'Summary', 'Twin']

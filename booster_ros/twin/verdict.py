@@ -30,7 +30,8 @@ class Verdict(NamedTuple):
     since: float
     """Since when, s, the valve is so, as the alarm says; NaN where there was none."""
     standing: str
-    """The least sure of what was found: confirmed, likely or candidate; '' where nothing was."""
+    """The least sure of what was found: confirmed, likely or candidate; '' where nothing was. It is
+    candidate where much is left that nothing explains."""
     effects: tuple[str, ...]
     adoption: str = ''
     """What became of the found model, '' where it was not asked for."""
@@ -40,6 +41,12 @@ class Verdict(NamedTuple):
         """Whether all that was found is."""
         return self.kind == FOUND and self.standing == 'confirmed'
 
+
+LEAST = 0.1
+"""Share of what was missing that one of the effects has to explain for more than a candidate."""
+
+_MORE = ', and more than that'
+"""How the headline of a report ends where much is left."""
 
 _STANDINGS = ('confirmed', 'likely', 'candidate')
 
@@ -81,9 +88,14 @@ def _verdict(report: Mapping[str, Any], folder: Path, since: float) -> Verdict:
         return Verdict(NOTHING, report['summary'], str(folder), since, '', ())
     standing = max((one['standing'] for one in effects), key=_STANDINGS.index, default='candidate')
     if report['verdict'] == 'effect':
+        headline = _headline(report['summary'])
         what = 'the valve has ' + ' and '.join(
             f'{_plain(one["name"])} ({_share(one["explained"])}{one["standing"]})'
             for one in effects)
+        if headline.endswith(_MORE):
+            what += _MORE
+        if headline.endswith(_MORE) or max(one['explained'] or 0.0 for one in effects) < LEAST:
+            standing = 'candidate'
     else:  # what has no name is at most as sure as that something is there
         what, standing = _headline(report['summary']), 'candidate'
     return Verdict(
