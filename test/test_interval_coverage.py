@@ -117,6 +117,7 @@ def test_the_page_counts():
     assert '| stairs | 0.9 | 1 | 0.82 | 1.00 | 1.18 |' in text
 
 
+@pytest.mark.campaign
 def test_the_command_writes_the_page_it_names(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(program, 'COLOURS', (0.9,))
     monkeypatch.setattr(program, 'ALL_COLOURS', (0.9,))
