@@ -43,7 +43,7 @@ def stem_alone(experiment: Experiment) -> Experiment:
     """Return the experiment with the stem driven by the measured pressure."""
     pressure = bridged(experiment.time, experiment.measured['chamber_pressure'])
     return replace(
-        experiment, current=np.zeros_like(experiment.current),
+        experiment, current=np.zeros_like(experiment.current), command='control_current',
         measured={'valve_position': experiment.measured['valve_position']},
         pinned={**experiment.pinned, 'chamber_pressure': pressure})
 

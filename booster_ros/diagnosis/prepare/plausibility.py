@@ -22,7 +22,7 @@ from booster_ros.records.units import LARGEST_KILOPASCALS
 
 Array = np.ndarray
 
-DRIVES = {'control_current', 'back_pressure', 'chamber_pressure'}
+DRIVES = {'control_current', 'set_point', 'back_pressure', 'chamber_pressure'}
 """What can move the valve: a supply alone does not."""
 
 REACHED = 0.99

@@ -117,7 +117,7 @@ def select(task: Task, tell: Progress) -> Selection:
     # beside friction, what lies above the stem was judged where slips do not blur it
     if len(chosen.effects) > 1 and chosen.problem.observation is not WINDOWS:
         tell('exchanging effects', 0.65)
-        if _leaves_structure(chosen, root):
+        if _leaves_structure(chosen, root) and not task.experiment.is_slow:
             chosen = _exchanged(task, chosen, trace)
         chosen = _deleted(task, chosen, trace)
     named = chosen
