@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from booster_ros.signals.stationary_segments import calm_pieces
-from booster_ros.diagnosis.data.experiment import DriveNoise, Experiment
+from booster_ros.diagnosis.data.experiment import THINNED_TOLERANCE, DriveNoise, Experiment
 from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
@@ -113,7 +113,8 @@ def _seen_slowly(experiment: Experiment, declared: PositionerParameters) -> Expe
     most = TRANSMITTER * declared.actuator.travel
     apart = float(np.median(np.diff(experiment.time)))
     return replace(
-        experiment, noise={name: min(level, most) if name == 'valve_position' else level
+        experiment, tolerance=THINNED_TOLERANCE,
+        noise={name: min(level, most) if name == 'valve_position' else level
                            for name, level in experiment.noise.items()},
         notes=(*experiment.notes, f'rows {apart:.3g} s apart, and set point and position alone, '
                'tell how fast the valve follows, what it loses in a reversal, its gain and zero; '
