@@ -9,11 +9,10 @@ from made_diagnosis import record_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.data.experiment import SLOW_PERIOD
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.subsystem import upstream
 from booster_ros.diagnosis.pipeline import diagnose
-from booster_ros.diagnosis.prepare.preparation import TRANSMITTER, prepare
+from booster_ros.diagnosis.prepare.preparation import SLOW_PERIOD, TRANSMITTER, prepare
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.parameters import from_values
 from booster_ros.model.simulation import simulate
@@ -89,14 +88,14 @@ def test_slow_rows_ask_for_what_they_tell_and_say_what_they_hide():
     tried = set(applicable(experiment, DECLARED))
     assert {'slew_limit', 'positioner_dead_zone', 'position_sensor_bias'} < tried
     assert {EFFECTS[name].location for name in tried} <= {'position_controller', 'sensor', 'stem'}
-    assert experiment.noise['valve_position'] <= TRANSMITTER * TRAVEL
     assert any('not where below the controller' in note for note in experiment.notes)
-    # a longer period is taken, which moves the position by less than a transmitter tells
-    fine = replace(experiment, time=experiment.time)
-    fine.__dict__['is_slow'] = False
+    # a longer period is taken, and what that changes is noise
+    assert DECLARED.position_controller.period < experiment.least_period == SLOW_PERIOD
+    fine = replace(experiment, least_period=0.0, tolerance=1.0)
     both = (one.predict(DECLARED)['valve_position'] for one in (fine, experiment))
-    assert 0.0 < np.std(np.subtract(*both)) < 2.0 * TRANSMITTER * TRAVEL
-    assert DECLARED.position_controller.period < SLOW_PERIOD
+    changed = np.std(np.subtract(*both))
+    assert 0.0 < changed < 2.0 * TRANSMITTER * TRAVEL
+    assert changed < experiment.noise['valve_position'] <= np.hypot(changed, TRANSMITTER * TRAVEL)
 
 
 def test_a_slew_limit_is_found_in_rows_of_a_second():

@@ -15,7 +15,7 @@ from .plant import SAMPLE_TIME, Valve, run
 from .positioner import INTEGRATING, KINDS, PIEZO, PROPORTIONAL, Positioner
 from .sensors import POSITION_NOISE, PRESSURE_NOISE, Sensors, recorded, sensed
 
-SECONDS = {'fit': 120.0, 'val': 60.0}
+SECONDS = {'fit': 70.0, 'val': 40.0}
 WARM_UP_SECONDS = 20.0
 EVERY = 5  # samples from row to row of a record
 

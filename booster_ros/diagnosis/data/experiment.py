@@ -40,11 +40,6 @@ SLOW = 0.3
 """Distance of rows, s, at which a valve behind a controller has come to rest in one or two: what
 holds or slows it below the controller is then told by nothing but how the loop as a whole lags."""
 
-SLOW_PERIOD = 0.04
-"""Shortest period of a controller, s, where rows are SLOW or more apart: they tell nothing of a
-shorter one, which takes more steps. In the shipped loop it moves the position by 0.05 % of the
-travel."""
-
 OUTPUT_OF = {
     'back_pressure': 'back_pressure',
     'supply_pressure': 'supply_pressure',
@@ -99,7 +94,7 @@ class Experiment:
     channel's noise, `drive_noise` the noise of the pinned ones, where it counts. A `quasi_static`
     experiment is a sweep without a clock: its time only counts rows. The time of any other counts
     from `begins`, s in the record's clock. `notes` say what was left out and assumed; `tolerance`
-    multiplies that of the solver.
+    multiplies that of the solver. A controller samples every `least_period` s at the shortest.
     """
 
     time: Array
@@ -115,6 +110,7 @@ class Experiment:
     notes: tuple[str, ...] = ()
     tolerance: float = DEFAULT_TOLERANCE
     command: str = 'control_current'
+    least_period: float = 0.0
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -170,8 +166,8 @@ class Experiment:
     def _controlled(self, p: PositionerParameters) -> PositionerParameters:
         """Return the parameters with the controller as this experiment needs it."""
         c = p.position_controller._replace(enabled=self.in_loop)
-        if self.is_slow:
-            c = c._replace(period=max(c.period, SLOW_PERIOD))
+        if self.in_loop:
+            c = c._replace(period=max(c.period, self.least_period))
         return p._replace(position_controller=c)
 
     def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:

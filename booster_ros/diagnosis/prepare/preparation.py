@@ -48,6 +48,11 @@ TRANSMITTER = 5e-4
 that moves from row to row looks like noise, and transmitters have a tenth of a per cent at most."""
 
 
+SLOW_PERIOD = 0.04
+"""Shortest period of a controller, s, in a slow loop: a shorter one takes twice the time. What it
+changes in the declared model counts as noise."""
+
+
 def prepare(
     record: Record, declared: PositionerParameters, dwell: float | None = None
 ) -> Experiment:
@@ -112,10 +117,14 @@ def _seen_slowly(experiment: Experiment, declared: PositionerParameters) -> Expe
     """Return a slow experiment with the noise of a transmitter, and what rows so far apart hide."""
     most = TRANSMITTER * declared.actuator.travel
     apart = float(np.median(np.diff(experiment.time)))
+    quick = replace(experiment, tolerance=THINNED_TOLERANCE, least_period=SLOW_PERIOD)
+    fine, rough = (one.predict(declared) for one in (experiment, quick))
+    noise = {name: min(level, most) if name == 'valve_position' else level
+             for name, level in experiment.noise.items()}
     return replace(
-        experiment, tolerance=THINNED_TOLERANCE,
-        noise={name: min(level, most) if name == 'valve_position' else level
-                           for name, level in experiment.noise.items()},
+        quick,
+        noise={name: float(np.hypot(level, np.std(fine[name] - rough[name])))
+               for name, level in noise.items()},
         notes=(*experiment.notes, f'rows {apart:.3g} s apart, and set point and position alone, '
                'tell how fast the valve follows, what it loses in a reversal, its gain and zero; '
                'not where below the controller: lost motion may be a dead zone of the positioner, '
@@ -155,6 +164,8 @@ def _checked(experiment: Experiment, declared: PositionerParameters, source: str
 def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters, source: str
                           ) -> Experiment:
     """Return the experiment with what is not known of when its commands were given."""
+    if experiment.is_slow:  # rows after a jump, which would not count, tell how fast it follows
+        return experiment
     told = with_sampled_commands(experiment, declared)
     if told is not experiment:
         _check_enough(told.measured, source, *told.notes[-1:])
