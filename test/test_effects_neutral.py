@@ -20,12 +20,14 @@ NAMES = {
     'chamber': 'chamber_leak heat_transfer dead_volume_change',
     'stem': 'stem_friction position_dependent_friction spring_nonlinearity effective_area_change '
             'bench_set_shift spring_rate_change stem_damping travel_limit seat_load flow_force',
+    'position_controller': 'slew_limit positioner_dead_zone feedback_backlash positioner_tuning',
     'sensor': 'position_backlash position_sensor_lag position_sensor_bias pressure_sensor_lag '
               'pressure_sensor_bias',
 }
 TIME = rows(24.0)
 CURRENT = np.select(
     [TIME < 8.0, TIME < 16.0], [current_for(320e3), current_for(130e3)], current_for(230e3))
+SET_POINT = np.select([TIME < 8.0, TIME < 16.0], [12e-3, 3e-3], 8e-3)
 OUTPUTS = ('back_pressure', 'measured_chamber_pressure', 'measured_valve_position')
 
 
@@ -33,15 +35,24 @@ def run(values: dict[str, object]) -> Simulation:
     return simulate(positioner(values), TIME, CURRENT, settled_at(140e3))
 
 
-DECLARED = run({})
+def run_in_loop(values: dict[str, object]) -> Simulation:
+    return simulate(positioner({'position_controller.enabled': True, **values}), TIME, SET_POINT,
+                    {'chamber_pressure': 262.5e3, 'valve_position': 12e-3})
 
 
-def distance(other: Simulation) -> float:
+def is_in_loop(effect: str) -> bool:
+    return EFFECTS[effect].location == 'position_controller'
+
+
+DECLARED, DECLARED_IN_LOOP = run({}), run_in_loop({})
+
+
+def distance(effect: str, share: float) -> float:
     """Return the largest change of an output, as a share of what it does in the test."""
+    play, still = (run_in_loop, DECLARED_IN_LOOP) if is_in_loop(effect) else (run, DECLARED)
+    other = play(sized(effect, share))
     return max(
-        float(np.abs(other[name] - DECLARED[name]).max() / np.ptp(DECLARED[name]))
-        for name in OUTPUTS
-    )
+        float(np.abs(other[name] - still[name]).max() / np.ptp(still[name])) for name in OUTPUTS)
 
 
 def test_the_catalogue_has_every_name_where_it_belongs():
@@ -95,9 +106,11 @@ def sized(effect: str, share: float) -> dict[str, object]:
 
 @pytest.mark.parametrize('effect', EFFECTS)
 def test_machine_code_and_plain_python_give_the_same_bits(effect):
-    p, short = positioner(sized(effect, 1.0)), TIME < 0.4
-    current = np.where(TIME[short] < 0.2, current_for(320e3), current_for(130e3))
-    machine, plain = (simulate(p, TIME[short], current, settled_at(140e3), compiled=compiled)
+    short, in_loop = TIME < 0.4, is_in_loop(effect)
+    p = positioner({**sized(effect, 1.0), 'position_controller.enabled': in_loop})
+    levels = (6e-3, 5e-3) if in_loop else (current_for(320e3), current_for(130e3))
+    command = np.where(TIME[short] < 0.2, *levels)
+    machine, plain = (simulate(p, TIME[short], command, settled_at(140e3), compiled=compiled)
                       for compiled in (True, False))
     for name, values in plain.columns.items():
         assert np.array_equal(machine[name], values), name
@@ -105,7 +118,7 @@ def test_machine_code_and_plain_python_give_the_same_bits(effect):
 
 @pytest.mark.parametrize('effect', EFFECTS)
 def test_an_effect_shows_at_its_typical_size_and_fades_with_it(effect):
-    full, tenth, little = (distance(run(sized(effect, share))) for share in (1.0, 0.1, 1e-3))
+    full, tenth, little = (distance(effect, share) for share in (1.0, 0.1, 1e-3))
     assert full > 2e-3
     assert tenth < 0.6 * full
     assert little < 0.06 * full

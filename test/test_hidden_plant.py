@@ -199,8 +199,9 @@ def test_effect_of_size_zero_is_no_effect(key):
     assert effect.sizes == tuple(sorted(effect.sizes))
 
 
-NOT_OFFERED = {'travel_limit', 'spring_rate_change', 'stem_damping', 'ep_gain_loss'}
-"""Effects that other rigs have, and that this plant does not play."""
+NOT_OFFERED = {'travel_limit', 'spring_rate_change', 'stem_damping', 'ep_gain_loss', 'slew_limit',
+               'positioner_dead_zone', 'feedback_backlash', 'positioner_tuning'}
+"""Effects that other rigs have, or a positioner, and that this plant does not play alone."""
 
 
 def test_offers_every_other_effect_of_the_catalogue_under_its_name_and_location():

@@ -83,7 +83,8 @@ def _task(experiment: Experiment, declared: PositionerParameters, names: Collect
                 f'{int(rows.sum())} of {len(rows)}, have no value that can be compared')
     tried = applicable(without_test_set(experiment, segments), declared)
     return Task(experiment, segments, declared, free_to_refit(declared, experiment),
-                tuple(name for name in tried if name in names), places)
+                tuple(name for name in tried if name in names),
+                frozenset() if experiment.is_slow else places)
 
 
 def _tested(task: Task, selection: Selection, before: FinalFit, block: Array

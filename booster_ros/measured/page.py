@@ -168,8 +168,9 @@ def ranking(
     nothing = float(np.sqrt(np.mean(np.square(wanted))))
     helpful = [one for one in suspects if one.mismatch < 0.99 * nothing]
     rest = [effect_label(one.name) for one in suspects if one not in helpful]
-    hidden = [effect_label(name) for name in EFFECTS
-              if name not in {one.name for one in suspects}]
+    hidden = [effect_label(name) for name, effect in EFFECTS.items()
+              if name not in {one.name for one in suspects}
+              and effect.location != 'position_controller']  # which is off
     return '\n'.join([
         '## Table III: three numbers that differ\n',
         'The paper prints four indices of one step, 0 → 0.4524 mA, measured and simulated.\n',

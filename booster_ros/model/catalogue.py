@@ -203,6 +203,36 @@ _ROWS = (
         Knob('actuator.flow_force', 500.0, -1e4, 1e4),
         Knob('actuator.flow_force_decay', 0.3, 0.05, 3.0, 0.3, shape=True)),
     _effect(
+        'slew_limit', 'position_controller', 'the valve follows the set point no faster than at a '
+        'certain speed, which may differ up and down',
+        'steps up and down, larger than what it moves from row to row',
+        'steps of several sizes, up and down: the times grow with the size',
+        'rate limits of smart positioners: IEC 61514-2',
+        Knob('position_controller.rate_limit_up', 3e-3, 1e-5, 0.2, 0.0, inverse=1, clocked=True),
+        Knob('position_controller.rate_limit_down', 3e-3, 1e-5, 0.2, 0.0, inverse=1,
+             clocked=True)),
+    _effect(
+        'positioner_dead_zone', 'position_controller',
+        'the positioner leaves a larger error as it is than declared',
+        'small steps, reversals', 'read the dead zone that is set in the positioner; with the '
+        'pressure recorded: within it the pressure stands',
+        'dead zone of smart positioners: IEC 61514-2',
+        Knob('position_controller.added_dead_zone', 1e-4, 0.0, 2e-3)),
+    _effect(
+        'feedback_backlash', 'position_controller',
+        'lost motion in the linkage through which the positioner sees the stem',
+        'reversals, read by a sensor apart from that of the positioner',
+        'hold the feedback lever by hand: the valve moves while it does not',
+        'play operator; M. Bartys et al. (2006), f15',
+        Knob('position_controller.feedback_backlash', 1e-4, 0.0, 5e-3)),
+    _effect(
+        'positioner_tuning', 'position_controller',
+        'the positioner is tuned otherwise than declared: it oscillates or creeps', 'steps',
+        'read gain and integral time that are set in the positioner',
+        'gain and integral time within a factor of ten either way',
+        Knob('position_controller.gain_change', 0.7, -2.303, 2.303),
+        Knob('position_controller.integral_time_change', 0.7, -2.303, 2.303, clocked=True)),
+    _effect(
         'position_backlash', 'sensor', 'lost motion in the feedback linkage',
         'reversals', 'a second position sensor on the stem',
         'play operator; M. Bartys et al. (2006), f15',

@@ -67,6 +67,11 @@ def beyond_dead_zone(error: float, width: float) -> float:
     return error - min(max(error, -width), width)
 
 
+def gain_of(c: PositionController) -> float:
+    """Return the gain, A/m, as it is: the declared one and how far it is off."""
+    return c.gain * math.exp(c.gain_change)
+
+
 def integrated(c: PositionController, integral: float, error: float, damping: float) -> float:
     """
     Return the integral part, A, one period on.
@@ -76,8 +81,9 @@ def integrated(c: PositionController, integral: float, error: float, damping: fl
     """
     if c.integral_time <= 0.0:
         return 0.0
-    more = c.gain * error * c.period / c.integral_time
-    wanted = c.bias + c.gain * error + integral + more - damping
+    gain = gain_of(c)
+    more = gain * error * c.period / (c.integral_time * math.exp(c.integral_time_change))
+    wanted = c.bias + gain * error + integral + more - damping
     low, high = c.current_limits
     if (wanted > high and more > 0.0) or (wanted < low and more < 0.0):
         return integral
@@ -136,13 +142,14 @@ def sampled(
     seen = seen_position(c, state.lagged_linkage)
     velocity = filtered(
         state.velocity, (seen - state.seen) / c.period, c.derivative_filter, c.period)
-    error = beyond_dead_zone(followed - seen, c.dead_zone)
-    damping = c.gain * c.derivative_time * velocity
+    error = beyond_dead_zone(followed - seen, c.dead_zone + c.added_dead_zone)
+    gain = gain_of(c)
+    damping = gain * c.derivative_time * velocity
     # what the last pulse has come to
     current, slope, width = state.current + state.slope * state.width, 0.0, 0.0
     integral = state.integral
     if c.output == PULSES:
-        wish = 0.0 if error == 0.0 else c.gain * error - damping
+        wish = 0.0 if error == 0.0 else gain * error - damping
         if cut_off != 0.0:
             wish = driven(c, cut_off) - current
         slope, width = pulse(c, current, wish)
@@ -150,7 +157,7 @@ def sampled(
         current = driven(c, cut_off)
     else:
         integral = integrated(c, integral, error, damping)
-        wish = quantised(c.bias + c.gain * error + integral - damping, c.output_resolution)
+        wish = quantised(c.bias + gain * error + integral - damping, c.output_resolution)
         current = min(max(wish, c.current_limits[0]), c.current_limits[1])
     return ControllerState(
         state.due + c.period, current, slope, width, integral, first, second, followed, cut_off,

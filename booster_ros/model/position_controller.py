@@ -59,7 +59,8 @@ class PositionController(NamedTuple):
     feedback_resolution: Annotated[float, Quantity(
         'm', 'steps of the position that it sees, 0 = none', 0.0, 0.1, _NONE)] = 0.0
     feedback_backlash: Annotated[float, Quantity(
-        'm', 'lost motion of the linkage through which it sees the stem', 0.0, 1.0, _NONE)] = 0.0
+        'm', 'feedback_backlash: lost motion of the linkage through which it sees the stem', 0.0,
+        1.0, _NONE)] = 0.0
     feedback_lag: Annotated[float, Quantity(
         's', 'time constant of the lag in what it sees, 0 = none', 0.0, 60.0, _NONE)] = 0.0
     feedback_span_error: Annotated[float, Quantity(
@@ -72,9 +73,11 @@ class PositionController(NamedTuple):
         's', 'time constant of a second filter behind the first, 0 = none', 0.0, 1e3,
         _NONE)] = 0.0
     rate_limit_up: Annotated[float, Quantity(
-        'm/s', 'fastest rise of the set point that is followed, 0 = any', 0.0, 1e3, _NONE)] = 0.0
+        'm/s', 'slew_limit: fastest rise of the set point that is followed, 0 = any', 0.0, 1e3,
+        _NONE)] = 0.0
     rate_limit_down: Annotated[float, Quantity(
-        'm/s', 'fastest fall of the set point that is followed, 0 = any', 0.0, 1e3, _NONE)] = 0.0
+        'm/s', 'slew_limit: fastest fall of the set point that is followed, 0 = any', 0.0, 1e3,
+        _NONE)] = 0.0
     action: Annotated[int, Quantity(
         '-', 'what air does to the process valve: whether its opening rises with the position of '
         'the stem', 0.0, 1.0, 'the paper: air opens')] = AIR_TO_OPEN
@@ -94,6 +97,14 @@ class PositionController(NamedTuple):
     full_open: Annotated[float, Quantity(
         '-', 'signal above which the process valve is driven wide open, 1 = none', 0.5, 1.0,
         _NONE)] = 1.0
+    added_dead_zone: Annotated[float, Quantity(
+        'm', 'positioner_dead_zone: added to dead_zone', 0.0, 1.0, _NONE)] = 0.0
+    gain_change: Annotated[float, Quantity(
+        '-', 'positioner_tuning: natural logarithm of what gain is multiplied by', -5.0, 5.0,
+        _NONE)] = 0.0
+    integral_time_change: Annotated[float, Quantity(
+        '-', 'positioner_tuning: natural logarithm of what integral_time is multiplied by', -5.0,
+        5.0, _NONE)] = 0.0
 
 
 class ControllerState(NamedTuple):

@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import COMMANDS, Experiment
 from booster_ros.diagnosis.prepare.timing import commands_may_be_late
 from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
 from booster_ros.report import figures, interactive
@@ -286,7 +286,7 @@ def _record(view: View, provenance: Provenance) -> str:
 
 def _drive(name: str) -> str:
     """Return the words for a drive: a command is what was asked for, the others were measured."""
-    return f'the {"" if name == "control_current" else "measured "}{channel_label(name)}'
+    return f'the {"" if name in COMMANDS else "measured "}{channel_label(name)}'
 
 
 def _source_of_noise(experiment: Experiment) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import COMMANDS
 from booster_ros.report.explanation import binned_mean
 from booster_ros.report.names import channel_label
 from booster_ros.report.panels import Panels, axis
@@ -33,7 +34,7 @@ def measured_and_models(view: View) -> Panels:
     most = POINTS // (len(drives) + 3 * len(channels))
     for row, name in enumerate(drives, 2):
         _line(figure, row, *over_time(view.time, view.drive(name), most), MEASURED, 'drive',
-              name, shown=False, shape='hv' if name == 'control_current' else 'linear')
+              name, shown=False, shape='hv' if name in COMMANDS else 'linear')
         _title(figure, row, axis_label(name).replace(', ', ',<br>'))
     for row, name in enumerate(channels, 2 + len(drives)):
         first = row == 2 + len(drives)

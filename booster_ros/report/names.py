@@ -23,6 +23,7 @@ _CHANNELS = {
 }
 
 _PLACES = {
+    'position_controller': 'the position controller',
     'ep_converter': 'the E/P converter',
     'booster': 'the booster',
     'supply': 'the supply',

@@ -83,7 +83,7 @@ class View:
     def drive(self, name: str) -> Array:
         """Return a driving channel in engineering units; a sweep's current is NaN in its row 0."""
         experiment = self.diagnosis.experiment
-        if name != 'control_current':
+        if name != experiment.command:
             return experiment.pinned[name] * scale(name).factor
         current = experiment.current
         if experiment.quasi_static:  # a sweep's row was read at the end of the current before it

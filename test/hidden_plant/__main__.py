@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 import sys
 
+from . import loop
 from .campaigns import every, single, unseen
 from .cases import Case, write_cases
 from .currents import KINDS
@@ -25,6 +26,10 @@ def main(args: list[str] | None = None) -> int:
             raise ValueError('--disturb and --of go together')
         if options.of:
             for name in write_disturbed(options.of, options.out, options.disturb, options.seed):
+                print(name, flush=True)
+            return 0
+        if options.cases == ['loop']:
+            for name in loop.write_cases(loop.drawn(options.seed), options.out):
                 print(name, flush=True)
             return 0
         cases = [case for text in options.cases for case in _cases(text, options)]
@@ -57,7 +62,8 @@ def _parser() -> argparse.ArgumentParser:
         nargs='+',
         default=['unseen'],
         help='unseen (31 drawn cases), golden (40, always the same), quick (60), ladder (105, of '
-        'five noises), catalogued, uncatalogued, none, or EFFECT[:SIZE][+EFFECT…]',
+        'five noises), loop (30 drawn ones in closed loop, alone), catalogued, uncatalogued, '
+        'none, or EFFECT[:SIZE][+EFFECT…]',
     )
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--disturb', type=float, metavar='RATIO',

@@ -11,6 +11,7 @@ from numba import njit
 from . import booster as relay
 from . import chamber as gas_space
 from . import converter as nozzle
+from . import positioner as electronics
 from . import stem as spindle
 from .gas import ATMOSPHERE, mass_flow
 from .supply import Supply, regulated_pressure
@@ -43,6 +44,7 @@ class Valve(NamedTuple):
     line: gas_space.Line = gas_space.Line()
     chamber: gas_space.Chamber = gas_space.Chamber()
     stem: spindle.Stem = spindle.Stem()
+    positioner: electronics.Positioner = electronics.Positioner()
 
 
 @njit(cache=True)
@@ -62,6 +64,8 @@ def run(valve, currents, start_time):
     """
     Step the plant through currents (A, one per sample) from the balance at the first of them.
 
+    With a positioner they are set points (m), and it begins at the balance at its middle current.
+
     Returns an array with one row per sample, taken as its current is applied, and COLUMNS. The
     effects' clock reads start_time (s) at the first sample.
     """
@@ -74,7 +78,9 @@ def run(valve, currents, start_time):
     yields = stem.coulomb > 0.0 and stem.packing_stiffness > 0.0
     stem_steps = SLIP_STEPS if stem.stiction > 0.0 or yields else 1
 
-    flapper = currents[0]
+    positioner = valve.positioner
+    is_loop = positioner.kind != electronics.NONE
+    flapper = positioner.middle if is_loop else currents[0]
     late_flapper = flapper
     back, gauge, x = balance(valve, flapper)
     v = 0.0
@@ -95,6 +101,8 @@ def run(valve, currents, start_time):
     regulator_share = -math.expm1(-STEP / supply.regulator_time)
     relax_share = -math.expm1(-STEP / stem.creep_time)
     delay = round(converter.dead_time / STEP)
+    memory = electronics.begun(positioner, currents[0], x)
+    sent, slope, lasts = flapper, 0.0, 0.0
 
     rows = np.empty((currents.size, len(COLUMNS)))
     for step in range((currents.size - 1) * STEPS_PER_SAMPLE + 1):
@@ -112,6 +120,14 @@ def run(valve, currents, start_time):
 
         # E/P converter
         current = currents[max(step - delay, 0) // STEPS_PER_SAMPLE]
+        if is_loop:
+            if step % STEPS_PER_SAMPLE == 0:
+                memory, sent, slope, lasts = electronics.decide(
+                    positioner, memory, sent, currents[step // STEPS_PER_SAMPLE], x, stem.travel)
+            if lasts > 0.0:
+                sent = min(max(sent + slope * min(STEP, lasts), 0.0), positioner.highest)
+                lasts -= STEP
+            current = sent
         flapper = nozzle.play(flapper, current, converter.hysteresis)
         late_flapper += late_share * (flapper - late_flapper)
         back_target = nozzle.settled_back_pressure(

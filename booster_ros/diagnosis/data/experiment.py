@@ -4,6 +4,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -41,6 +42,13 @@ ARRIVED = 0.05
 """Share of the time for which a row of a sweep is dwelt on, after which its drives have
 arrived."""
 
+COMMANDS = ('control_current', 'set_point')
+"""The columns that command a valve: what was asked for, not what was measured."""
+
+SLOW = 0.3
+"""Distance of rows, s, at which a valve behind a controller has come to rest in one or two: what
+holds or slows it below the controller is then told by nothing but how the loop as a whole lags."""
+
 OUTPUT_OF = {
     'back_pressure': 'back_pressure',
     'supply_pressure': 'supply_pressure',
@@ -50,7 +58,7 @@ OUTPUT_OF = {
 }
 """The model's output that a channel of a record is compared with."""
 
-UNITS = {'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass_flow': 'kg/s',
+UNITS = {'set_point': 'm', 'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass_flow': 'kg/s',
          'chamber_pressure': 'Pa', 'valve_position': 'm'}
 
 
@@ -87,13 +95,15 @@ class Experiment:
     """
     A record made ready: arrays of shape (n,), SI units.
 
-    `current` drives the E/P converter from each row to the next: it stands or, where there are
-    `ends`, runs straight to its value in these. `pinned` channels drive what is downstream of them
-    instead of the model's own states; `measured` channels are compared, NaN where a row does not
-    count; `noise` is the standard deviation of each measured channel's noise, `drive_noise` the
-    noise of the pinned ones, where it counts. A `quasi_static` experiment is a sweep without a
-    clock: its time only counts rows. The time of any other counts from `begins`, s in the record's
-    clock. `notes` say what was left out and assumed; `tolerance` multiplies that of the solver.
+    `current` commands the valve from each row to the next: it stands or, where there are `ends`,
+    runs straight to its value in these. It is what `command` names: a control current, A, for the
+    E/P converter, or a set point, m, for the position controller, which is off otherwise. `pinned`
+    channels drive what is downstream of them instead of the model's own states; `measured` channels
+    are compared, NaN where a row does not count; `noise` is the standard deviation of each measured
+    channel's noise, `drive_noise` the noise of the pinned ones, where it counts. A `quasi_static`
+    experiment is a sweep without a clock: its time only counts rows. The time of any other counts
+    from `begins`, s in the record's clock. `notes` say what was left out and assumed; `tolerance`
+    multiplies that of the solver. A controller samples every `least_period` s at the shortest.
     """
 
     time: Array
@@ -108,6 +118,8 @@ class Experiment:
     ends: Array | None = None
     notes: tuple[str, ...] = ()
     tolerance: float = DEFAULT_TOLERANCE
+    command: str = 'control_current'
+    least_period: float = 0.0
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -117,8 +129,19 @@ class Experiment:
     @property
     def drives(self) -> tuple[str, ...]:
         """The channels that drive the model; none where the chamber is isolated."""
-        commanded = ('control_current',) if np.any(self.current) else ()
+        commanded = (self.command,) if np.any(self.current) else ()
         return (*commanded, *self.pinned)
+
+    @property
+    def in_loop(self) -> bool:
+        """Whether a set point drives the model by way of the position controller."""
+        return self.command == 'set_point'
+
+    @cached_property
+    def is_slow(self) -> bool:
+        """Whether rows are so far apart that the loop hides what lies below the controller."""
+        return (self.in_loop and 'chamber_pressure' not in self.measured
+                and float(np.median(np.diff(self.time))) >= SLOW)
 
     @property
     def is_flow_bench(self) -> bool:
@@ -140,6 +163,7 @@ class Experiment:
             state['chamber_pressure'] = start.chamber_pressure
         if start.valve_position is not None and 'valve_position' not in self.pinned:
             state['valve_position'] = start.valve_position
+        parameters = self._controlled(parameters)
         time, current, pinned, at = self._course()
         run = simulate(
             parameters, time, current, state, pinned, self.tolerance, departure=start.departure,
@@ -153,6 +177,13 @@ class Experiment:
             return LONGEST_INTERVAL
         apart = float(np.median(np.diff(self.time)))
         return min(max(apart / PARTS_OF_A_DRIVE, DEFAULT_LONGEST_INTERVAL), LONGEST_INTERVAL)
+
+    def _controlled(self, p: PositionerParameters) -> PositionerParameters:
+        """Return the parameters with the controller as this experiment needs it."""
+        c = p.position_controller._replace(enabled=self.in_loop)
+        if self.in_loop:
+            c = c._replace(period=max(c.period, self.least_period))
+        return p._replace(position_controller=c)
 
     def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:
         """Return time, standing current and measured drives to simulate, and where rows lie."""

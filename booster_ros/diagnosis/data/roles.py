@@ -18,18 +18,20 @@ class Roles:
     What each channel of a record does.
 
     `pinned` channels stand in for the model's own states, the fastest-moving one first; the
-    control current drives where `commanded`.
+    column `command` drives where `commanded`: the control current, or a set point by way of the
+    position controller.
     """
 
     commanded: bool
     pinned: tuple[str, ...]
     compared: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    command: str = 'control_current'
 
     @property
     def drives(self) -> tuple[str, ...]:
         """The columns that the model is driven with."""
-        return ('control_current', *self.pinned) if self.commanded else self.pinned
+        return (self.command, *self.pinned) if self.commanded else self.pinned
 
 
 def roles(present: Collection[str], source: str, ignored: Sequence[str] = ()) -> Roles:
@@ -47,8 +49,9 @@ def roles(present: Collection[str], source: str, ignored: Sequence[str] = ()) ->
         columns = ', '.join(name for name in COLUMNS if name in present and name != 'time')
         clock = '' if timed else ' and no time'
         lacks = 'and nothing downstream of that to compare' if found else (
-            'and needs a drive (control_current, back_pressure or chamber_pressure) and a channel '
-            'downstream of it')
+            'and needs a drive (control_current, back_pressure, chamber_pressure, or a set_point '
+            'with position_controller.enabled: true in the parameters) and a channel downstream '
+            'of it')
         raise RecordError('; '.join((
             f'{source}: nothing can be compared with the model: the record has {columns}{clock}, '
             f'{lacks}', *ignored)))
@@ -67,6 +70,9 @@ def _roles(present: Collection[str], supply: tuple[str, ...], timed: bool) -> Ro
             'mass_flow', 'chamber_pressure'):
         return _flow_bench(
             those('back_pressure', 'chamber_pressure') + supply, those('valve_position'))
+    if 'set_point' in present:  # the caller has seen that it may drive
+        compared = those('mass_flow', 'chamber_pressure', 'valve_position')
+        return Roles(True, supply, compared, command='set_point')
     if 'back_pressure' in present:
         compared = those('mass_flow', 'chamber_pressure', 'valve_position')
         return Roles(False, ('back_pressure', *supply), compared)

@@ -137,6 +137,8 @@ _DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
     ('actuator.bench_set', 0.004, 0.0, 1),
     ('actuator.viscous_friction', 0.3, 0.0, None),
     ('actuator.stop_stiffness', 0.3, 0.0, None),
+    ('position_controller.gain', 0.1, 0.0, None),
+    ('position_controller.integral_time', 0.1, 0.0, None),
 )
 
 

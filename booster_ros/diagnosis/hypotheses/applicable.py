@@ -10,7 +10,7 @@ costs time and invites coincidences: in a sweep a lag looks like friction.
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import COMMANDS, Experiment
 from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, Free, declared_freedom
 from booster_ros.model.actuator import VESSEL
 from booster_ros.model.booster import NO_BOOSTER
@@ -23,11 +23,19 @@ NEAR_BENCH_SET = 0.25
 the stem go."""
 
 
+TOLD_SLOWLY = frozenset((
+    'slew_limit', 'positioner_dead_zone', 'positioner_tuning', 'position_backlash',
+    'position_sensor_lag', 'position_sensor_bias', 'travel_limit'))
+"""Effects that rows of seconds tell of a valve behind a controller: how fast it follows, what it
+loses in a reversal, gain, zero and limits."""
+
+
 def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[str, ...]:
     """Return the names of the effects that can change what is compared in this experiment."""
     resting = _stem_rests(experiment, declared)
     return tuple(name for name, effect in EFFECTS.items()
                  if has_part(declared, effect) and _shows(effect, experiment)
+                 and (name in TOLD_SLOWLY or not experiment.is_slow)
                  and not (resting and effect.location == 'stem')
                  and effect.orifice_law in (None, declared.booster.orifice_law))
 
@@ -54,7 +62,9 @@ def _shows(effect: Effect, experiment: Experiment) -> bool:
         return bool({'valve_position', 'chamber_pressure'} & {*compared}) or moves_what_follows
     if effect.location == 'chamber':
         return chamber_follows
-    commanded = 'control_current' in experiment.drives
+    if effect.location == 'position_controller':
+        return experiment.in_loop
+    commanded = bool({*COMMANDS} & {*experiment.drives})
     if effect.location == 'ep_converter':
         return commanded
     # effects left are around the booster: they act where something drives it and its flow counts
@@ -85,6 +95,8 @@ def _acts(parameter: str, declared: PositionerParameters) -> bool:
 def matters(parameter: str, experiment: Experiment) -> bool:
     """Tell whether a declared parameter, by its dotted name, can change what is compared."""
     component = parameter.split('.')[0]
+    if experiment.is_slow or (component == 'position_controller' and not experiment.in_loop):
+        return False
     if component == 'actuator' and experiment.is_flow_bench:
         return False
     if component == 'supply' and 'supply_pressure' in experiment.pinned:

@@ -34,10 +34,11 @@ def upstream(experiment: Experiment) -> Experiment | None:
     Return the experiment with position and velocity as drives and the pressure compared.
 
     None where position or pressure was not measured, where another channel drives the model, in a
-    sweep without a clock, or where rows are too few or too far apart for it.
+    sweep without a clock, or where rows are too few or too far apart for it. Nor behind a position
+    controller: beside a measured stem nothing takes back what its integral part adds up.
     """
     both = {'chamber_pressure', 'valve_position'} <= set(experiment.measured)
-    if not both or experiment.pinned or experiment.quasi_static:
+    if not both or experiment.pinned or experiment.quasi_static or experiment.in_loop:
         return None
     if not np.isfinite(experiment.measured['valve_position']).any():
         return None

@@ -183,7 +183,7 @@ def _another_supply(experiment: Experiment, declared: PositionerParameters) -> I
 
 def _reversed_current(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
     name = next((name for name in PRESSURES if name in experiment.measured), None)
-    if name is None or experiment.quasi_static:
+    if name is None or experiment.quasi_static or experiment.in_loop:
         return
     measured = experiment.measured[name]
     rows = np.isfinite(measured)

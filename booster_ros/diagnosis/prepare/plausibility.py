@@ -21,7 +21,7 @@ from booster_ros.records.units import LARGEST_KILOPASCALS
 
 Array = np.ndarray
 
-DRIVES = {'control_current', 'back_pressure', 'chamber_pressure'}
+DRIVES = {'control_current', 'set_point', 'back_pressure', 'chamber_pressure'}
 """What can move the valve: a supply alone does not."""
 
 REACHED = 0.99
@@ -119,7 +119,7 @@ def stem_alone(experiment: Experiment) -> Experiment:
     """Return the experiment with the stem driven by the measured pressure."""
     pressure = bridged(experiment.time, experiment.measured['chamber_pressure'])
     return replace(
-        experiment, current=np.zeros_like(experiment.current),
+        experiment, current=np.zeros_like(experiment.current), command='control_current',
         measured={'valve_position': experiment.measured['valve_position']},
         pinned={**experiment.pinned, 'chamber_pressure': pressure})
 

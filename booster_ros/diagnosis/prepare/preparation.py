@@ -10,7 +10,8 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from booster_ros.signals.stationary_segments import calm_pieces
-from booster_ros.diagnosis.data.experiment import AVERAGED, FEWEST, DriveNoise, Experiment
+from booster_ros.diagnosis.data.experiment import (
+    AVERAGED, FEWEST, THINNED_TOLERANCE, DriveNoise, Experiment)
 from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
@@ -36,6 +37,16 @@ must not count as something that the model lacks. Sensors resolve far less.
 """
 
 
+TRANSMITTER = 5e-4
+"""Noise of a position in a slow loop, as a share of the travel, where a record shows more: a valve
+that moves from row to row looks like noise, and transmitters have a tenth of a per cent at most."""
+
+
+SLOW_PERIOD = 0.04
+"""Shortest period of a controller, s, in a slow loop: a shorter one takes twice the time. What it
+changes in the declared model counts as noise."""
+
+
 def prepare(
     record: Record, declared: PositionerParameters, dwell: float | None = None
 ) -> Experiment:
@@ -53,13 +64,15 @@ def prepare(
         # held values show no noise, and the channel was anywhere within the limit of storing
         noise={name: max(level, record.held.get(name, 0.0) / sqrt(3.0))
                for name, level in experiment.noise.items()})
+    if experiment.is_slow:
+        experiment = _seen_slowly(experiment, declared)
     if not rows.quasi_static:
         experiment = _without_gaps(experiment, rows, declared)
     experiment = _checked(experiment, declared, rows.source)
     if rows.quasi_static:
         return experiment
     experiment = _with_doubt_of_timing(experiment, declared, rows.source)
-    if rows.role.commanded and 'back_pressure' not in rows.columns:
+    if 'control_current' in rows.role.drives and 'back_pressure' not in rows.columns:
         experiment = with_start_of_converter(experiment, declared)
     return _with_noise_of_drives(experiment, declared)
 
@@ -89,8 +102,28 @@ def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:
             name: _drive_noise(name, values, calm) for name, values in rows.sampled.items()},
         quasi_static=rows.quasi_static,
         begins=rows.begins,
+        command=role.command,
         notes=(*rows.notes, *_colour_notes(calm, rows.quasi_static), *_clouded_notes(clouded)),
     )
+
+
+def _seen_slowly(experiment: Experiment, declared: PositionerParameters) -> Experiment:
+    """Return a slow experiment with the noise of a transmitter, and what rows so far apart hide."""
+    most = TRANSMITTER * declared.actuator.travel
+    apart = float(np.median(np.diff(experiment.time)))
+    quick = replace(experiment, tolerance=THINNED_TOLERANCE, least_period=SLOW_PERIOD)
+    fine, rough = (one.predict(declared) for one in (experiment, quick))
+    noise = {name: min(level, most) if name == 'valve_position' else level
+             for name, level in experiment.noise.items()}
+    return replace(
+        quick,
+        noise={name: float(np.hypot(level, np.std(fine[name] - rough[name])))
+               for name, level in noise.items()},
+        notes=(*experiment.notes, f'rows {apart:.3g} s apart, and set point and position alone, '
+               'tell how fast the valve follows, what it loses in a reversal, its gain and zero; '
+               'not where below the controller: lost motion may be a dead zone of the positioner, '
+               'backlash, or friction of the stem, a slow stroke may be a rate limit, the supply, '
+               'the booster or a leak, and the actuator is taken as declared'))
 
 
 def _without_gaps(experiment: Experiment, rows: Rows, declared: PositionerParameters
@@ -121,6 +154,8 @@ def _checked(experiment: Experiment, declared: PositionerParameters, source: str
 def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters, source: str
                           ) -> Experiment:
     """Return the experiment with what is not known of when its commands were given."""
+    if experiment.is_slow:  # rows after a jump, which would not count, tell how fast it follows
+        return experiment
     told = with_sampled_commands(experiment, declared)
     if told is not experiment:
         _check_enough(told.measured, source, *told.notes[-1:])
@@ -131,10 +166,10 @@ def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters
 
 
 def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
-    """Return the current that stands from each row to the next."""
+    """Return the command that stands from each row to the next."""
     if not role.commanded:
         return np.zeros(len(next(iter(columns.values()))))
-    current = columns['control_current']
+    current = columns[role.command]
     current = current[last_known(current)]  # the first row has one
     if quasi_static:
         # a row of a sweep was read after its own current had stood

@@ -66,9 +66,9 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
             f'{FEWEST} are needed')
     if 'time' in record:
         _check_time(record)
-    record, beside = _without_loop(record)
+    record, beside = _without_loop(record, declared)
     record, idle = _without_idle_command(record)
-    needed = roles(record.columns, record.source, record.ignored).compared
+    needed = roles(record.columns, record.source, (*record.ignored, *beside)).compared
     record, sparse = _without_sparse(record, needed)
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
@@ -93,13 +93,19 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
         notes=(*beside, *idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)))
 
 
-def _without_loop(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """Return the record without what only a position controller and the process know."""
-    beside = [name for name in ('set_point', 'pressure_drop') if name in record]
+def _without_loop(record: Record, declared: PositionerParameters
+                  ) -> tuple[Record, tuple[str, ...]]:
+    """Return the record without what drives nothing: a set point beside a current is idle."""
+    idle = {'pressure_drop': 'the force of the process is judged as one of the stem'}
+    if {'control_current', 'back_pressure'} & {*record.columns} or 'time' not in record:
+        idle['set_point'] = 'what lies downstream of it is recorded'
+    elif not declared.position_controller.enabled:
+        idle['set_point'] = ('position_controller.enabled: true in the parameters, with its '
+                             'tuning, lets it drive the model')
+    beside = [name for name in idle if name in record]
     others = {name: values for name, values in record.columns.items() if name not in beside}
     return replace(record, columns=others), tuple(
-        f'{name} is read and not used: what lies downstream of the control current is judged'
-        for name in beside)
+        f'{name} is read and not used: {idle[name]}' for name in beside)
 
 
 def _check_time(record: Record) -> None:
@@ -164,7 +170,7 @@ def _from_known_start(
     drives = list(role.drives)
     needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
     time = record.columns.get('time')
-    known = {name: np.isfinite(record[name] if name == 'control_current' else
+    known = {name: np.isfinite(record[name] if name == role.command else
                                between_samples(time, record[name])) for name in needed}
     driven, started = (np.all([known[name] for name in names], axis=0)
                        if names else np.ones(len(record), dtype=bool) for names in (drives, needed))

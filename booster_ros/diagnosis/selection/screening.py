@@ -100,6 +100,9 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Iterable[float], multiple
     pairs = [sizes] if len(sizes) == 2 else [(j, k) for j in rubs for k in sizes if k != j]
     if len(multiples) > 1:
         moves += [dict.fromkeys(pair, size) for pair in pairs for size in multiples]
+        if len(sizes) == 2 and all(free[j].knob.inverse for j in sizes):
+            # two limits: where one is hard, the other shows only near its size
+            moves += [dict(zip(sizes, both)) for both in itertools.permutations(multiples, 2)]
     # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
     # simulate; a galled stem may rub in one place alone, which a fit finds from there
     moves = [move for move in moves
@@ -226,6 +229,8 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
     off at every rest, as a gain may be off by a percent, hides what the given ones lack. With the
     measured stem as a drive, nothing shifts the rests but what is looked for: it is none there.
     """
+    if not any(free.as_given for free in problem.freedoms):
+        return [reference_at(problem, found)]
     given = problem.start()
     for j, free in enumerate(problem.freedoms):
         if not free.as_given:
