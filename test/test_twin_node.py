@@ -5,20 +5,64 @@
 from __future__ import annotations
 
 import sqlite3
+import time
 
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from std_msgs.msg import Float64
+from ros_process import PATIENCE
+from sensor_msgs.msg import FluidPressure
+from std_msgs.msg import Float64, Header
 
 from booster_ros.nodes.twin import TwinNode
+from booster_ros.nodes.twin_inputs import TwinInputs
 from booster_ros.testing import Valve
+from booster_ros.testing.matching import wait_for_match
 
 pytestmark = pytest.mark.ros
 
 RATE = 10.0
 FAST = {'block': 2.0, 'learning': 60.0, 'false_alarms': 100.0}
+
+
+def test_in_a_burst_a_current_counts_from_the_stamp_that_was_published_before_it():
+    context = Context()
+    rclpy.init(context=context)
+    node = Node('burst', context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    received = []
+    inputs = TwinInputs(node, lambda *sample: received.append(sample))
+    pressure = node.create_publisher(FluidPressure, 'chamber_pressure_stamped', 1000)
+    current = node.create_publisher(Float64, 'control_current', 1000)
+
+    def handle(count):
+        end = time.monotonic() + PATIENCE
+        while len(received) < count:
+            assert time.monotonic() < end
+            executor.spin_once(timeout_sec=0.05)
+            if len(received) == count - 1:
+                inputs.flush()
+
+    wait_for_match(node, node)
+    for sec in range(1, 7):
+        pressure.publish(FluidPressure(header=Header(stamp=Time(nanosec=sec * 10_000_000)),
+                                       fluid_pressure=2e5))
+        if sec in (1, 3):
+            current.publish(Float64(data=4e-4))
+        if sec == 1:
+            handle(2)
+    handle(8)
+    executor.shutdown()
+    node.destroy_node()
+    context.try_shutdown()
+    stamps = [stamp for channel, stamp, _ in received if channel == 'control_current']
+    assert stamps[-1] == 0.03
 
 
 class Commander(Node):

@@ -101,6 +101,7 @@ class TwinNode(Node):
 
     def turn(self) -> None:
         """Use the samples that have come, and publish what comes of them."""
+        self._inputs.flush()
         found = self.twin.update()
         if self.twin.remark:
             self.get_logger().info(self.twin.remark)

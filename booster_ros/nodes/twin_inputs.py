@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a real valve publishes, plain or with time stamps, as samples for its twin."""
 
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Mapping
 import math
+from typing import Any
 
 from rclpy.node import Node
 from sensor_msgs.msg import FluidPressure, JointState
@@ -15,6 +17,13 @@ from .tick_clock import NANOSECONDS
 
 QUEUE_DEPTH = 1000
 
+REMEMBERED = 400
+"""Messages with stamps, and their times of publishing, that are remembered."""
+
+FARTHEST = 1.0
+"""Seconds by which the stamp of a plain message may lie before the newest one: where it would be
+more, the clocks of the machines differ, and the newest stamp is taken."""
+
 Received = Callable[[str, float, float], None]
 """Takes channel, stamp (s) and value (SI, gauge)."""
 
@@ -24,8 +33,10 @@ class TwinInputs:
     Subscribes to every channel by its plain name, and to pressure and position with stamps too.
 
     Where a channel comes with stamps, its plain twin is not used. What has no stamp of its own
-    then counts from the newest stamp on, as the clock of the valve need not be that of this node;
-    else from its arrival on the node's clock.
+    then counts from the newest stamp that had been published before it, as the clock of the valve
+    need not be that of this node; else from its arrival on the node's clock. The order of
+    publishing is that of the middleware's time stamps, and is known once all have been handed
+    over: a busy node is handed messages in bursts. So they wait for `flush`.
     """
 
     def __init__(self, node: Node, received: Received) -> None:
@@ -33,30 +44,45 @@ class TwinInputs:
         self._received = received
         self._stamped: set[str] = set()
         self._newest = -math.inf
+        self._waiting: list[tuple[str, int, float]] = []
+        self._published: deque[tuple[int, float]] = deque(maxlen=REMEMBERED)
+        subscribe: Any = node.create_subscription  # declared without the information on messages
         for channel in CHANNELS:
-            node.create_subscription(
-                Float64, channel, self._plain(channel), QUEUE_DEPTH)
-        node.create_subscription(
-            FluidPressure, 'chamber_pressure_stamped', self._on_pressure, QUEUE_DEPTH)
-        node.create_subscription(
-            JointState, 'valve_position_stamped', self._on_position, QUEUE_DEPTH)
+            subscribe(Float64, channel, self._plain(channel), QUEUE_DEPTH)
+        subscribe(FluidPressure, 'chamber_pressure_stamped', self._on_pressure, QUEUE_DEPTH)
+        subscribe(JointState, 'valve_position_stamped', self._on_position, QUEUE_DEPTH)
 
-    def _plain(self, channel: str) -> Callable[[Float64], None]:
-        def receive(message: Float64) -> None:
-            if channel not in self._stamped:
-                stamp = self._newest if self._stamped else (
-                    self._clock.now().nanoseconds / NANOSECONDS)
-                self._received(channel, stamp, message.data)
+    def _plain(self, channel: str) -> Callable[[Float64, Mapping[str, Any]], None]:
+        def receive(message: Float64, info: Mapping[str, Any]) -> None:
+            if channel in self._stamped:
+                return
+            if self._stamped:
+                self._waiting.append((channel, info['source_timestamp'], message.data))
+            else:
+                self._received(channel, self._clock.now().nanoseconds / NANOSECONDS, message.data)
         return receive
 
-    def _on_pressure(self, message: FluidPressure) -> None:
-        self._take('chamber_pressure', message.header, message.fluid_pressure - ATMOSPHERE)
+    def flush(self) -> None:
+        """Hand on the plain messages that have come."""
+        waiting, self._waiting = self._waiting, []
+        for channel, published, value in waiting:
+            self._received(channel, self._newest_at(published), value)
 
-    def _on_position(self, message: JointState) -> None:
+    def _newest_at(self, published: int) -> float:
+        """Return the newest of the stamps that had been published by then."""
+        stamp = next((stamp for when, stamp in reversed(self._published) if when <= published),
+                     -math.inf)
+        return stamp if 0.0 <= self._newest - stamp <= FARTHEST else self._newest
+
+    def _on_pressure(self, message: FluidPressure, info: Mapping[str, Any]) -> None:
+        self._take('chamber_pressure', message.header, message.fluid_pressure - ATMOSPHERE, info)
+
+    def _on_position(self, message: JointState, info: Mapping[str, Any]) -> None:
         if message.position:
-            self._take('valve_position', message.header, message.position[0])
+            self._take('valve_position', message.header, message.position[0], info)
 
-    def _take(self, channel: str, header: Header, value: float) -> None:
+    def _take(self, channel: str, header: Header, value: float, info: Mapping[str, Any]) -> None:
         self._stamped.add(channel)
         self._newest = header.stamp.sec + header.stamp.nanosec / NANOSECONDS
+        self._published.append((info['source_timestamp'], self._newest))
         self._received(channel, self._newest, value)
