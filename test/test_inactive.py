@@ -11,6 +11,7 @@ from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, fit as best_fit
 from booster_ros.diagnosis.estimation.inactive import place_beyond
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
+from booster_ros.diagnosis.hypotheses.applicable import matters
 from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS
 
@@ -24,7 +25,9 @@ def made(largest_opening, effect=None):
     """Return the problem of a valve with this largest opening (m2), and the opening's place."""
     experiment = steps_seen(
         P._replace(booster=P.booster._replace(max_area=largest_opening)), LEVELS, START, seed=4)
-    problem = Problem(experiment, everywhere(experiment), P, tuple(declared_freedom(P, experiment)))
+    freedoms = tuple(free for free in declared_freedom(P, experiment)
+                     if matters(free.knob.parameter, experiment))
+    problem = Problem(experiment, everywhere(experiment), P, freedoms)
     names = [free.knob.parameter for free in problem.freedoms]
     problem = with_effect(problem, EFFECTS[effect]) if effect else problem
     return problem, names.index('booster.max_area')

@@ -18,8 +18,8 @@ from booster_ros.diagnosis.data.blocks import (
     rows_of, split, split_sweep, training_blocks)
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
-from booster_ros.diagnosis.estimation.parametrisation import get, label
-from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
+from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
+from booster_ros.diagnosis.estimation.uncertainty import AT_BOUND, at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, label_of, place_of
 from booster_ros.diagnosis.hypotheses.knots import with_gentle_ends
@@ -248,6 +248,11 @@ def _replaced(declared: PositionerParameters, found: PositionerParameters) -> tu
             'longer in the model: a model holds one, and the one that was found took its place',)
 
 
+def _at_limit(free: Free, z: float) -> bool:
+    """Tell whether a declared parameter ended at either end of what a refit allows."""
+    return any(abs(z - end) < AT_BOUND * abs(end) for end in (free.low, free.high))
+
+
 def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, ...]:
     rows = []
     places = {(free.knob.parameter, free.element): j
@@ -257,7 +262,7 @@ def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, 
         j = places[name, element]
         looser = after.problem.freedoms[j]  # its prior may be looser beside an effect
         z = looser.variable(get(after.fit.parameters, name, element))
-        at_limit = at_bound(looser, z)
+        at_limit = _at_limit(looser, z)
         low = high = np.nan
         if not at_limit:
             interval = interval_of(after.problem, after.draws, after.fit, j)

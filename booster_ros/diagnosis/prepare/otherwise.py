@@ -8,7 +8,7 @@ What a record may be instead of what it says: a table of suppositions, judged by
 | time is in another unit | its time in that unit | rows are not as far apart as is usual |
 | pressures are in mbar | a hundred times as much | they are far below the supply |
 | pressures are absolute | an atmosphere less | they are never below the atmosphere |
-| the supply is another one's | the supply as declared | a supply was measured |
+| the supply is another one's | the supply as declared | the chamber rises above the measured one |
 | the current is reversed | a current less the recorded one | pressure falls as it rises |
 | the position is reversed | its negative | there is a position |
 
@@ -174,7 +174,10 @@ def _an_atmosphere_above(experiment: Experiment, declared: PositionerParameters)
 def _another_supply(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
     others = dict(experiment.pinned)
     supply = others.pop('supply_pressure', None)
-    if supply is not None and not experiment.quasi_static:
+    chamber = known(experiment.measured.get('chamber_pressure', np.empty(0)))
+    if supply is None or experiment.quasi_static or not len(chamber):
+        return
+    if np.max(chamber) > np.max(supply):  # else it may well have fed the booster, only otherwise
         yield experiment, replace(experiment, pinned=others), (
             f'supply_pressure: never exceeds {np.max(supply):.4g} Pa, and the declared model moves '
             f'as measured with {declared.supply.pressure:.4g} Pa: it is not what fed the booster; '
