@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.estimation.fit import (
-    FIRST_STEPS, Fit, carried, fit, fit_at, nominal)
+    FIRST_STEPS, NOTICEABLE, Fit, carried, fit, fit_at, nominal)
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
@@ -124,13 +124,14 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
     """Return the models with the effects that get furthest on thinned rows, fitted to these."""
     problem = task.problem(parent.effects)
     found = fit_at(problem, parent.fit.z)
-    steps: list[tuple[str, Fit, Problem]] = []
+    steps: list[tuple[Screened, Fit]] = []
     for one in _screened(problem, found, [n for n in names if not EFFECTS[n].rubs], tick):
-        steps.append((one.effect, first_steps(problem, one), one.problem))
+        steps.append((one, first_steps(problem, one)))
         tick()
-    steps.sort(key=lambda step: step[1].cost)
     ended: list[Model] = []
-    for name, end, joint in steps[:BEST]:
+    noticed = found.cost - NOTICEABLE * parent.score.dispersion
+    for one, end in _furthest(steps, noticed)[:BEST]:
+        name, joint = one.effect, one.problem
         # what had imitated the effect may have gone far: the best begin as given as well
         starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
         ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))
@@ -141,6 +142,21 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
             ended += _with_friction(task, parent, name)
             tick()
     return ended
+
+
+def _furthest(steps: list[tuple[Screened, Fit]], noticed: float) -> list[tuple[Screened, Fit]]:
+    """
+    Return screened effects and their first steps, those that got furthest first.
+
+    Steps that lost their way end anywhere, and by last digits: of those that did not come below the
+    cost from which on a gain is `noticed`, screening tells the order.
+    """
+    def reached(step: tuple[Screened, Fit]) -> tuple[bool, float]:
+        one, end = step
+        lost = end.cost > noticed
+        return lost, one.cost if lost else end.cost
+
+    return sorted(steps, key=reached)
 
 
 def _screened(problem: Problem, found: Fit, names: list[str], tick: Tick) -> list[Screened]:

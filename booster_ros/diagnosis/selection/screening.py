@@ -39,7 +39,7 @@ Array = np.ndarray
 SIZES = (0.25, 1.0, 3.0)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
 
-BEST = 6
+BEST = 4
 """Number of the best ones that go on: of trials, to be simulated at the size at which they should
 leave least; of effects and terms, to be fitted to their end."""
 
