@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .aligning import LONGEST_GAP
 from .predictor import Prediction
 
 Array = np.ndarray
@@ -32,9 +33,6 @@ LESS = 0.9
 MORE = 1.1
 """Largest mean square of the new model in any one channel, relative to the old one's, beside the
 noise's."""
-
-LONGEST_STEP = 0.5
-"""Time, s, between two rows up to which it counts as time of the trial."""
 
 
 class Outcome(NamedTuple):
@@ -76,7 +74,7 @@ class Trial:
             total[2] += float(np.sum(after[both]**2))
         for moment in new.time[-count:][said].tolist():
             step = moment - self._last
-            self.seconds += step if 0.0 < step <= LONGEST_STEP else 0.0
+            self.seconds += step if 0.0 < step <= LONGEST_GAP else 0.0
             self._last = moment
 
     def outcome(self, noise: Mapping[str, float]) -> Outcome:

@@ -14,6 +14,10 @@ DRIVES = ('control_current', 'set_point')
 READINGS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
 CHANNELS = (*DRIVES, *READINGS)
 
+LONGEST_GAP = 0.5
+"""Longest time, s, between two readings of a channel within which it is known: what it drives
+begins anew after that, no row of a record is filled across it, and no time of a trial counts."""
+
 Array = np.ndarray
 
 

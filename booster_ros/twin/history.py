@@ -10,12 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from ..records.csv_file import CsvWriter
-from .aligning import CHANNELS, DRIVES, READINGS
+from .aligning import CHANNELS, DRIVES, LONGEST_GAP, READINGS
 
 Array = np.ndarray
-
-LONGEST_GAP = 0.5
-"""Longest time, s, between two readings of a channel within which a row between them has one."""
 
 LONGEST_SILENCE = 1.0
 """Time, s, without any row after which a record begins anew: what drives the valve is not known

@@ -22,6 +22,7 @@ from ..model.memory import CENTRED
 from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
+from .aligning import LONGEST_GAP
 
 Array = np.ndarray
 
@@ -32,9 +33,6 @@ COMPARED = (PRESSURE, POSITION)
 SMOOTHED = 0.1
 """Time, s, over which a measured channel is smoothed before it drives: its noise would else move
 the stem, and has no velocity."""
-
-LONGEST_GAP = 0.5
-"""Longest time, s, without a reading of a channel that drives; then its part begins anew."""
 
 SETTLING = 5.0
 """Time, s, after a part has begun, in which what it says is not used: its start is read from noisy
