@@ -143,17 +143,22 @@ def test_what_goes_by_time_begins_with_the_first_row(tmp_path):
         assert np.array_equal(late[name], column), name
 
 
+def check_portions(folder, params, text, monkeypatch):
+    """Check that an input read in portions gives the same as one read at once."""
+    whole = run_here(folder, params, text)
+    original = input_rows.iterate_csv
+    monkeypatch.setattr(
+        input_rows, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
+    portions = run_here(folder, params, text)
+    for name, column in whole.items():
+        assert np.array_equal(portions[name], column), name
+
+
 def test_a_long_file_in_portions_is_the_same_as_at_once(tmp_path, params, monkeypatch):
     time = rows(20.0)
     text = 'time,control_current\n' + ''.join(
         f'{t:.2f},{0.43e-3 + 0.02e-3 * np.sin(t):.9f}\n' for t in time)
-    whole = run_here(tmp_path, params, text)
-    original = input_rows.iterate_csv
-    monkeypatch.setattr(
-        input_rows, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
-    portions = run_here(tmp_path, params, text)
-    for name, column in whole.items():
-        assert np.array_equal(portions[name], column), name
+    check_portions(tmp_path, params, text, monkeypatch)
 
 
 def test_portions_are_the_same_as_the_whole_with_a_dead_time_as_well(tmp_path, monkeypatch):
@@ -168,13 +173,7 @@ def test_portions_are_the_same_as_the_whole_with_a_dead_time_as_well(tmp_path, m
     current = np.repeat(random.uniform(3e-4, 5e-4, 500), 3)
     text = 'time,control_current\n' + ''.join(
         f'{t:.6f},{i!r}\n' for t, i in zip(time.tolist(), current.tolist(), strict=True))
-    whole = run_here(tmp_path, params, text)
-    original = input_rows.iterate_csv
-    monkeypatch.setattr(
-        input_rows, 'iterate_csv', lambda path, columns: original(path, columns, rows_per_chunk=97))
-    portions = run_here(tmp_path, params, text)
-    for name, column in whole.items():
-        assert np.array_equal(portions[name], column), name
+    check_portions(tmp_path, params, text, monkeypatch)
 
 
 GOOD = 'time,control_current\n0,0.0004\n1,0.0004\n'

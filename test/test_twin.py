@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from killed_writer import killed_writer
+from made_twin import moving_valve
 import numpy as np
 import pytest
 
 from booster_ros.model.parameters import ParameterError, from_values
-from booster_ros.model.stream import Stream
 from booster_ros.twin.aligning import Aligner
 from booster_ros.twin.alarm import Alarms, Settings
 from booster_ros.twin.detector import Detector, evidence
@@ -30,16 +30,7 @@ CELL = (0, 0)
 
 def record(values=(), seconds=120.0, seed=0):
     """Return rows of a valve with these parameters that moves every five seconds."""
-    random = np.random.default_rng(seed)
-    time = np.arange(round(seconds * RATE)) / RATE
-    current = 0.4e-3 + 0.06e-3 * random.random(len(time))[(time // 5.0).astype(int)]
-    seen = Stream(from_values(dict(values)), 0.0, current[0], {'chamber_pressure': 2e5}).advance(
-        time, current)
-    return {
-        'time': time, 'control_current': current,
-        'chamber_pressure': seen['chamber_pressure'] + 150.0 * random.standard_normal(len(time)),
-        'valve_position': seen['valve_position'] + 8e-6 * random.standard_normal(len(time)),
-    }
+    return moving_valve(values, seconds, RATE, 5.0, seed)
 
 
 def left_rms(rows, pieces=4):

@@ -14,12 +14,12 @@ import sys
 import time
 
 from killed_writer import killed_writer
+from made_twin import moving_valve
 import numpy as np
 import pytest
 from ros_process import PATIENCE
 
 from booster_ros.model.parameters import ParameterError, from_values
-from booster_ros.model.stream import Stream
 from booster_ros.records import RecordError, read_record
 from booster_ros.twin.adoption import Trial
 from booster_ros.twin.alarm import Alarm, Alarms, Settings
@@ -50,16 +50,7 @@ def rows_of(time, **columns):
 
 def valve(values=(), seconds=40.0, seed=0):
     """Return columns of a valve with these parameters that moves every second or so."""
-    random = np.random.default_rng(seed)
-    time = np.arange(round(seconds * RATE)) / RATE
-    current = 0.4e-3 + 0.06e-3 * random.random(len(time))[(time / 0.7).astype(int)]
-    seen = Stream(from_values(dict(values)), 0.0, current[0], {'chamber_pressure': 2e5}).advance(
-        time, current)
-    return {
-        'time': time, 'control_current': current,
-        'chamber_pressure': seen['chamber_pressure'] + 150.0 * random.standard_normal(len(time)),
-        'valve_position': seen['valve_position'] + 8e-6 * random.standard_normal(len(time)),
-    }
+    return moving_valve(values, seconds, RATE, 0.7, seed)
 
 
 def fed(twin, columns, begin=0.0):

@@ -1,0 +1,22 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a real valve would give a twin: noisy readings of a valve whose current steps at random."""
+
+import numpy as np
+
+from booster_ros.model.parameters import from_values
+from booster_ros.model.stream import Stream
+
+
+def moving_valve(values, seconds, rate, dwell, seed=0):
+    """Return columns of a valve with these parameters, `rate` a second, a step each `dwell` s."""
+    random = np.random.default_rng(seed)
+    time = np.arange(round(seconds * rate)) / rate
+    current = 0.4e-3 + 0.06e-3 * random.random(len(time))[(time / dwell).astype(int)]
+    seen = Stream(from_values(dict(values)), 0.0, current[0], {'chamber_pressure': 2e5}).advance(
+        time, current)
+    return {
+        'time': time, 'control_current': current,
+        'chamber_pressure': seen['chamber_pressure'] + 150.0 * random.standard_normal(len(time)),
+        'valve_position': seen['valve_position'] + 8e-6 * random.standard_normal(len(time)),
+    }
