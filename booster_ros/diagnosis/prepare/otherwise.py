@@ -234,5 +234,4 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
 
 OF_TIME: tuple[Supposition, ...] = (_another_unit_of_time,)
 SUPPOSITIONS: tuple[Supposition, ...] = (
-    _in_mbar, _absolute, _another_supply, _reversed_current,
-    _reversed_position)
+    _in_mbar, _absolute, _another_supply, _reversed_current, _reversed_position)

@@ -41,7 +41,6 @@ TRANSMITTER = 5e-4
 """Noise of a position in a slow loop, as a share of the travel, where a record shows more: a valve
 that moves from row to row looks like noise, and transmitters have a tenth of a per cent at most."""
 
-
 SLOW_PERIOD = 0.04
 """Shortest period of a controller, s, in a slow loop: a shorter one takes twice the time. What it
 changes in the declared model counts as noise."""
