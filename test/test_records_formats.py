@@ -257,3 +257,16 @@ def test_what_pandas_put_beside_a_table_may_be_damaged(tmp_path):
     notes = table.schema.metadata[b'pandas'].replace(b'numpy_type', b'mumpy_type')
     parquet.write_table(table.replace_schema_metadata({b'pandas': notes}), path)
     check(mapped(path))
+
+
+@pytest.mark.parametrize('form', ['parquet', 'feather'])
+def test_the_index_of_a_table_is_a_column_like_others(tmp_path, form):
+    pytest.importorskip('pyarrow')
+    frame = pd.DataFrame({name: COLUMNS[name] for name in NAMES[1:]},
+                         index=pd.Index(COLUMNS['time'], name='time'))
+    path = tmp_path / f'a.{form}'
+    if form == 'parquet':
+        frame.to_parquet(path)
+    else:
+        frame.reset_index().to_feather(path)
+    check(mapped(path))

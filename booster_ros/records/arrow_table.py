@@ -42,7 +42,8 @@ def open_arrow(source: str, is_parquet: bool) -> Table:
         places = sorted(wanted)
         try:
             for batch in _batches(arrow, parquet, source, is_parquet, [names[k] for k in places]):
-                frame = _frame(batch, source)
+                # what pandas has put beside a table for itself may be damaged, and hides columns
+                frame = batch.replace_schema_metadata(None).to_pandas()
                 frame.columns = places
                 for place in set(texts) & set(places):
                     if frame[place].dtype.kind != 'M':
@@ -57,17 +58,6 @@ def open_arrow(source: str, is_parquet: bool) -> Table:
 
     return Table(source, 'Parquet' if is_parquet else 'Feather', names, blank, blank, (), Layout(),
                  portions)
-
-
-def _frame(batch: Any, source: str) -> Any:
-    """Return a batch as a pandas frame; what pandas has put beside it for itself may be damaged."""
-    try:
-        return batch.to_pandas()
-    except (KeyError, TypeError, AttributeError):
-        try:
-            return batch.replace_schema_metadata(None).to_pandas()
-        except (KeyError, TypeError, AttributeError) as error:
-            raise _damaged(source, error) from None
 
 
 def _batches(arrow: Any, parquet: Any, source: str, is_parquet: bool, names: list[str]
