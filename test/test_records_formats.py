@@ -3,11 +3,14 @@
 """Tables that are no plain CSV: workbooks, Parquet, MATLAB, JSON lines, compressed, odd text."""
 
 import bz2
+from contextlib import suppress
 from datetime import datetime, timedelta
 import gzip
 import io
 import json
 import lzma
+import shutil
+import sys
 import zipfile
 
 from made_foreign import given, lines, mapped, mapping_in, rows, write
@@ -270,3 +273,20 @@ def test_the_index_of_a_table_is_a_column_like_others(tmp_path, form):
     else:
         frame.reset_index().to_feather(path)
     check(mapped(path))
+
+
+def test_a_matlab_file_that_breaks_its_reader_is_refused(tmp_path, monkeypatch):
+    """This damage ends the process that scipy reads it in, at least on some machines."""
+    from scipy.io import savemat
+    whole, random = io.BytesIO(), np.random.default_rng(38)
+    savemat(whole, {'run': COLUMNS})
+    damaged = bytearray(whole.getvalue())
+    for place in random.integers(128, len(damaged), 3):
+        damaged[place] = random.integers(256)
+    path = write(tmp_path, bytes(damaged), 'a.mat')
+    with suppress(RecordError):
+        inspect(path)
+    path.write_bytes(whole.getvalue())
+    monkeypatch.setattr(sys, 'executable', shutil.which('false'))  # any reader that breaks
+    with pytest.raises(RecordError, match=r'a\.mat: is no readable MATLAB file \(it ends the proc'):
+        inspect(path)

@@ -3,7 +3,7 @@
 """
 Tables in MATLAB files: vectors of equal length, whatever they lie in.
 
-Files up to version 7 are read by scipy, those of version 7.3, which are HDF5, by h5py.
+Files up to version 7 are read by scipy (`mat_file`), those of version 7.3, which are HDF5, by h5py.
 """
 
 from __future__ import annotations
@@ -17,16 +17,15 @@ import numpy as np
 
 from booster_ros.records.guarded import MOST_COLUMNS, check_count
 from booster_ros.records.mapping import Layout
+from booster_ros.records.mat_file import arrays_in, damaged
 from booster_ros.records.open_table import needs
 from booster_ros.records.record import Array, RecordError
 from booster_ros.records.table import Portion, Table
 
-_DEPTH = 4
-
 
 def open_mat(source: str, is_old: bool) -> Table:
     """Return the vectors in a MATLAB file as a table; RecordError where there are none."""
-    found = _old(source) if is_old else _hdf5(source)
+    found = arrays_in(source) if is_old else _hdf5(source)
     vectors = _as_vectors(found)
     lengths = Counter(len(values) for values in vectors.values() if len(values) > 1)
     if not lengths:
@@ -48,36 +47,6 @@ def open_mat(source: str, is_old: bool) -> Table:
 
     told = (f'of another length, left out: {", ".join(others[:10])}',) if others else ()
     return Table(source, 'MATLAB', names, blank, blank, told, Layout(), portions)
-
-
-def _old(source: str) -> dict[str, Any]:
-    from scipy.io import loadmat, whosmat
-    from scipy.io.matlab import MatReadError
-
-    try:
-        shapes = {name: shape for name, shape, _ in whosmat(source)}
-        check_count(sum(int(np.prod(shape, dtype=float)) for shape in shapes.values()), source)
-        content = loadmat(source, squeeze_me=True, struct_as_record=False)
-    except RecordError:
-        raise
-    except (MatReadError, OSError, ValueError, TypeError, NotImplementedError, MemoryError,
-            EOFError, KeyError, IndexError) as error:
-        raise _damaged(source, error) from None
-    found: dict[str, Any] = {}
-    for name, value in content.items():
-        if not name.startswith('__'):
-            _flatten(name, value, found, _DEPTH)
-    return found
-
-
-def _flatten(name: str, value: Any, found: dict[str, Any], depth: int) -> None:
-    """Put what is in a variable, and in the fields of a structure, into `found` by their paths."""
-    fields = getattr(value, '_fieldnames', None)
-    if fields is not None and depth:
-        for one in fields:
-            _flatten(f'{name}.{one}', getattr(value, one), found, depth - 1)
-    elif isinstance(value, np.ndarray) and value.dtype.kind in 'iufb':
-        found[name] = value
 
 
 def _hdf5(source: str) -> dict[str, Any]:
@@ -102,7 +71,7 @@ def _hdf5(source: str) -> dict[str, Any]:
     except RecordError:
         raise
     except (OSError, ValueError, RuntimeError, KeyError, TypeError) as error:
-        raise _damaged(source, error) from None
+        raise damaged(source, error) from None
     return found
 
 
@@ -118,8 +87,3 @@ def _as_vectors(found: Mapping[str, Array]) -> dict[str, Array]:
             if table.shape[1] <= 100:
                 vectors.update({f'{name}({k + 1})': table[:, k] for k in range(table.shape[1])})
     return vectors
-
-
-def _damaged(source: str, error: Exception) -> RecordError:
-    return RecordError(f'{source}: is no readable MATLAB file '
-                       f'({" ".join(str(error).split())[:80]})')
