@@ -22,6 +22,12 @@ BLOCK, LEARNING = 20.0, 2400.0
 LASTS, CHANGES = 7200.0, 5400.0
 """Length of a run, and when its valve changes, s."""
 
+DAY = 28800.0
+"""Length of a run on which nothing but false alarms are counted, s."""
+
+PROMISES = (1000.0 / 8766.0, 10.0, 100.0)
+"""False alarms per 1000 h: one a year, and rates at which some are to be seen."""
+
 PIECE = 2000
 CHANNELS = ('chamber_pressure', 'valve_position')
 NAMES = [(channel, kind) for channel in CHANNELS for kind in KINDS]
@@ -53,10 +59,10 @@ def coloured(random: np.random.Generator, rho: float, size: int) -> np.ndarray:
     return lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], white)
 
 
-def numbers_of(seed: int, fault: Mapping[str, float]) -> Run:
+def numbers_of(seed: int, fault: Mapping[str, float], lasts: float = LASTS) -> Run:
     """Return the blocks of a drawn valve, run beside a model that is near it but not equal."""
     random = np.random.default_rng(seed)
-    time = np.arange(round(LASTS * RATE)) / RATE
+    time = np.arange(round(lasts * RATE)) / RATE
     current = _input(random, time)
     declared = {'supply.pressure': 400e3, 'ep_converter.gain': 540340406.719717,
                 'actuator.viscous_friction': 3000.0}
@@ -79,14 +85,14 @@ def numbers_of(seed: int, fault: Mapping[str, float]) -> Run:
     for name, span in (('chamber_pressure', 400e3), ('valve_position', 0.016)):
         rows[name] = (np.concatenate(seen[name]) + sizes[name] * coloured(random, rho, len(time))
                       + 0.001 * span * random.random() * drift)
-    return Run(_blocks(from_values(declared), rows), CHANGES if fault else LASTS)
+    return Run(_blocks(from_values(declared), rows), CHANGES if fault else lasts)
 
 
 def _input(random: np.random.Generator, time: np.ndarray) -> np.ndarray:
     """Return steps around operating points that shift, with noise of the controller, A."""
     dwell = random.choice([3.0, 8.0, 15.0])
-    steps = random.random(int(LASTS / dwell) + 2)[(time / dwell).astype(int)]
-    points = random.random(int(LASTS / 1200.0) + 2)[(time / 1200.0).astype(int)]
+    steps = random.random(int(time[-1] / dwell) + 2)[(time / dwell).astype(int)]
+    points = random.random(int(time[-1] / 1200.0) + 2)[(time / 1200.0).astype(int)]
     wide = random.choice([0.01e-3, 0.03e-3, 0.05e-3])
     held = random.standard_normal(len(time)) * random.choice([0.0, 1e-7, 5e-7])
     return 0.405e-3 + 0.02e-3 * points + wide * steps * 0.8 + held
@@ -123,13 +129,21 @@ def _alarms(per_thousand: float) -> Alarms:
                   NAMES)
 
 
-def twin_false_alarms(runs: list[Run], per_thousand: float) -> tuple[int, float]:
-    """Return false alarms and valve-hours of clean runs; the promise is per 1000 h."""
-    count = 0
-    for run in runs:
+class Watched(NamedTuple):
+    """Of a clean run: hours watched after learning, false alarms by what was promised."""
+
+    hours: float
+    alarms: list[int]
+
+
+def watched(seed: int) -> Watched:
+    """Return what came of a clean valve, watched for a working day; see `PROMISES`."""
+    blocks = numbers_of(seed, CLEAN, DAY).blocks
+    counts = []
+    for per_thousand in PROMISES:
         alarms = _alarms(per_thousand)
-        count += sum(len(alarms.note(block)) for block in run.blocks)
-    return count, sum(len(run.blocks) for run in runs) * BLOCK / 3600.0
+        counts.append(sum(len(alarms.note(block)) for block in blocks))
+    return Watched(sum(block.end > LEARNING for block in blocks) * BLOCK / 3600.0, counts)
 
 
 def twin_delay(run: Run, per_thousand: float) -> float | None:
