@@ -53,6 +53,7 @@ BESIDE_THE_RULE = {
     'diagnosis/judging/validation.py': 'diagnosis',
     'parameters/table.py': 'control',  # a page of the docs, made of the tables of both nodes
     'benchmark/node_floor.py': 'nodes',  # a node as well, which has to start as the others do
+    'benchmark/twin_change.py': 'nodes',  # the twin, tick by tick with its valve
 }
 
 ROS = {'rclpy', 'std_msgs', 'sensor_msgs', 'diagnostic_msgs', 'rcl_interfaces', 'std_srvs'}

@@ -231,6 +231,18 @@ def test_blocks_have_their_length_however_seldom_samples_are_used(portion):
     assert len(blocks) >= 20
 
 
+def test_blocks_that_have_too_few_rows_to_be_judged_are_said():
+    rows = record(seconds=20.0)
+    twin = Twin(from_values({}), Settings(block=1.0, learning=1e6))
+    for k in range(len(rows['time'])):
+        for name in ('control_current', 'chamber_pressure', 'valve_position'):
+            twin.add(name, float(rows['time'][k]), float(rows[name][k]))
+    twin.update()
+    assert twin.health.status == 'function check'
+    assert twin.health.reason == ('10 rows have come in a block of 1 s, and 16 are needed: the '
+                                  'parameter block has to be larger')
+
+
 # Health, trends, what is kept, parameters
 
 def test_health_says_the_worst_that_holds():

@@ -76,7 +76,7 @@ class Bench:
             if self.ticks % 2:
                 self.twin.turn()
         self.twin.report()
-        self.valve._turn()
+        self.valve.turn()
 
     def ask(self, service: str) -> Trigger.Response:
         client = self.node.create_client(Trigger, f'twin/{service}')
@@ -89,7 +89,7 @@ class Bench:
         end = time.monotonic() + patience
         while not done():
             assert time.monotonic() < end
-            self.valve._turn()
+            self.valve.turn()
             self.twin.turn()
             time.sleep(0.01)
 

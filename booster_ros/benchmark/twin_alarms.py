@@ -26,6 +26,8 @@ from .twin_rivals import PROMISED, rivals
 from .twin_valves import (
     CLEAN, DAY, PROMISES, drawn_alarms, effects, numbers_of, twin_delay, watched)
 
+COMMAND = 'python -m booster_ros.benchmark.twin_alarms --write'
+
 FAULTY = 12
 """Valves drawn for each effect and size."""
 
@@ -50,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
         tables = '\n\n'.join((_rates(pool, given.hours, given.drawn_hours), _delays(pool)))
     print(tables)
     if given.write:
-        twin_page.write(tables)
+        twin_page.write(tables, COMMAND)
     return 0
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import chi2
 
 PAGE = Path(__file__).parents[2] / 'docs' / 'twin.md'
-BEGIN = '<!-- made by: python -m booster_ros.benchmark.twin_alarms --write -->'
+BEGIN = '<!-- made by: {command} -->'
 END = '<!-- end -->'
 
 
@@ -34,9 +34,10 @@ def seen(delays: Sequence[float | None]) -> str:
     return f'{share}, {np.median(found):.0f} s' if found else share
 
 
-def write(tables: str) -> None:
-    """Put the tables between the markers of the page."""
+def write(tables: str, command: str) -> None:
+    """Put the tables between the markers that a command has on the page."""
+    begin = BEGIN.format(command=command)
     text = PAGE.read_text(encoding='utf-8')
-    before, rest = text.split(BEGIN)
+    before, rest = text.split(begin)
     after = rest.split(END, 1)[1]
-    PAGE.write_text(f'{before}{BEGIN}\n\n{tables}\n\n{END}{after}', encoding='utf-8')
+    PAGE.write_text(f'{before}{begin}\n\n{tables}\n\n{END}{after}', encoding='utf-8')

@@ -61,7 +61,7 @@ class Valve(Bench):
         self._nodes.append(node)
         self._executor.add_node(node)
         self.positioner.publish_again()
-        self._turn()
+        self.turn()
 
     def send(self, current: float) -> None:
         """Command a current, A, from the next tick on."""
@@ -70,7 +70,7 @@ class Valve(Bench):
     def step(self, ticks: int = 1) -> Sample:
         """Advance by so many ticks, before each of which the nodes handle the last sample."""
         for _ in range(ticks):
-            self._turn()
+            self.turn()
             self.positioner.take_commands()
             self.positioner.advance(1)
             self._note()
@@ -115,8 +115,8 @@ class Valve(Bench):
         self.series.append(sample)
         return sample
 
-    def _turn(self) -> None:
-        """Let the nodes handle what has come for them."""
+    def turn(self) -> None:
+        """Let the nodes handle what has come for them, without any time for the valve."""
         if not self._nodes:
             return
         try:

@@ -17,7 +17,7 @@ from .health import Health, health
 from .history import History
 from .memory import digest_of
 from .predictor import COMPARED, POSITION, PRESSURE, Predictor, Prediction
-from .summaries import KINDS, summary
+from .summaries import FEWEST_ROWS, KINDS, summary
 
 LISTENING = 3.0
 """Time, s, after which the channels that have come are those that the valve has."""
@@ -92,6 +92,8 @@ class Twin:
         self._noise: dict[str, float] = {}
         self._misfit: dict[str, float] = {}
         self._block: Prediction | None = None
+        self._rows = 0
+        """Rows of the last block."""
 
     @property
     def parameters(self) -> PositionerParameters:
@@ -266,6 +268,7 @@ class Twin:
             known = left[np.isfinite(left)]
             if len(known):
                 self._follow(self._misfit, name, float(np.sqrt(np.mean(known**2))))
+        self._rows = len(rows.time)
         block = summary(rows.time, rows.said, rows.left, self.spans)
         assert self._alarms is not None
         return [] if block is None else self._alarms.note(block)
@@ -288,6 +291,9 @@ class Twin:
         if self._predictor is not None and not self._predictor.channels:
             lacking = ('what comes of the valve (' + ', '.join(sorted(self._came))
                        + ') does not drive a model and tell what comes of it')
+        elif 0 < self._rows < FEWEST_ROWS:
+            lacking = (f'{self._rows} rows have come in a block of {self.settings.block:g} s, and '
+                       f'{FEWEST_ROWS} are needed: the parameter block has to be larger')
         elif self._alarms is not None:
             lacking = self._alarms.lacking
         beyond = [
