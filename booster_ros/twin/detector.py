@@ -30,6 +30,17 @@ the centre. Nothing is said of the law of n_t: heavy tails and any colour within
 
        E[N_t] <= t / c        for every t: at most one false alarm in c blocks, on average.
 
+5. Bets on a beginning. What comes after a change is among those that the next block is compared
+   with, so that p rises again: of a cell with m blocks, j of which have come since the change, p_t
+   is about uniform on (0, q), q = (j + 1) / (m + 1). Each of the last `BEGINNINGS` blocks counts as
+   such a beginning s, and bets half of what it has on f and half on just that,
+
+       E_s,t = E_s,t-1 (f(p_t) / 2 + [p_t <= q_s,t] / (2 q_s,t)),
+
+   which has an expectation <= E_s,t-1 given the past, as q is known before p. Their sum is a
+   detector as well: a new beginning adds 1, one that is too old to count takes something away. M_t
+   is the mean of this and of the detector in 4, which has no end to its memory.
+
 With J detectors, each with c = J / (rate per block), the rate of all together is kept (sums of
 expectations; nothing is asked of how they hang together).
 
@@ -50,6 +61,9 @@ CENTRING = 8
 
 FEWEST = 30
 """Blocks of a cell to compare with below which the detector is as good as blind there."""
+
+BEGINNINGS = 100
+"""Blocks back to which a change is taken to have begun by those who bet on its beginning."""
 
 MOST = 20_000
 """Scores kept of a cell; then each new one takes the place of one at random, so that those kept are
@@ -83,6 +97,11 @@ class Cell:
     def size(self) -> int:
         """How many blocks there are to compare with."""
         return len(self._scores)
+
+    @property
+    def seen(self) -> int:
+        """How many there have been, of which so many are kept."""
+        return self._seen
 
     def as_values(self) -> dict[str, Any]:
         """Return all that is known as plain values, for `restored`."""
@@ -123,6 +142,40 @@ class Cell:
         bisect.insort(self._scores, distance)
 
 
+class Beginnings:
+    """Bets on that a change began with one of the last blocks; a sum of e-processes."""
+
+    def __init__(self) -> None:
+        self._cells: list[tuple[int, int]] = []
+        self._logs: list[float] = []
+
+    def as_values(self) -> list[Any]:
+        """Return all that is known as plain values, for `restored`."""
+        return [[*cell, log] for cell, log in zip(self._cells, self._logs)]
+
+    @classmethod
+    def restored(cls, values: list[Any]) -> 'Beginnings':
+        """Return those that `as_values` told of."""
+        made = cls()
+        made._cells = [(int(third), int(activity)) for third, activity, _ in values]
+        made._logs = [float(log) for *_, log in values]
+        return made
+
+    def note(self, cell: tuple[int, int], seen: int, p: float, fixed: float) -> None:
+        """Take a block's p-value, `seen` blocks of its cell before it; `fixed` is f(p)."""
+        self._cells = [*self._cells, cell][-BEGINNINGS:]
+        self._logs = [*self._logs, 0.0][-BEGINNINGS:]
+        same = np.array([one == cell for one in self._cells], dtype=float)
+        q = np.minimum(np.cumsum(same[::-1])[::-1] / (seen + 1.0), 1.0)
+        gains = np.log(0.5 * fixed + np.where(p <= q, 0.5 / q, 0.0))
+        self._logs = (np.array(self._logs) + gains).tolist()
+
+    @property
+    def log_sum(self) -> float:
+        """Natural logarithm of the sum of all."""
+        return float(np.logaddexp.reduce(self._logs)) if self._logs else -math.inf
+
+
 class Detector:
     """Watches one number; `threshold` is c above, a mean number of blocks from alarm to alarm."""
 
@@ -131,6 +184,7 @@ class Detector:
         self._random = np.random.default_rng(seed)
         self._cells: dict[tuple[int, int], Cell] = {}
         self._log = -math.inf
+        self._beginnings = Beginnings()
         self._excursion = 0.0
         self._since = math.nan
         self._moved: list[float] = []
@@ -141,14 +195,15 @@ class Detector:
         """Return all that is known as plain values, for `restore`."""
         return {
             'cells': [[*place, cell.as_values()] for place, cell in self._cells.items()],
-            'log': self._log, 'excursion': self._excursion, 'since': self._since,
-            'moved': self._moved, 'random': self._random.bit_generator.state}
+            'log': self._log, 'beginnings': self._beginnings.as_values(),
+            'excursion': self._excursion, 'since': self._since, 'moved': self._moved, 'random': self._random.bit_generator.state}
 
     def restore(self, values: Mapping[str, Any]) -> None:
         """Go on from where `as_values` was asked: with the same chance to come as well."""
         self._cells = {(int(third), int(activity)): Cell.restored(cell)
                        for third, activity, cell in values['cells']}
         self._log, self._excursion = float(values['log']), float(values['excursion'])
+        self._beginnings = Beginnings.restored(values['beginnings'])
         self._since = float(values['since'])
         self._moved = [float(x) for x in values['moved']]
         self._random.bit_generator.state = values['random']
@@ -156,7 +211,7 @@ class Detector:
     @property
     def log_evidence(self) -> float:
         """Natural logarithm of M: an alarm where it reaches that of the threshold."""
-        return self._log
+        return float(np.logaddexp(self._log, self._beginnings.log_sum)) - math.log(2.0)
 
     @property
     def since(self) -> float:
@@ -170,17 +225,21 @@ class Detector:
     def note(self, begin: float, cell: tuple[int, int], x: float) -> bool:
         """Take the number of a block that began at `begin` s; tell whether this is an alarm."""
         there = self._cells.setdefault(cell, Cell())
+        seen = there.seen
         p = there.p_value(x, self.tolerance, self._random)
         if p is None:
             return False
-        e = math.log(evidence(p))
+        bet = evidence(p)
+        e = math.log(bet)
         self._log = (math.log1p(math.exp(self._log)) if self._log < 30.0 else self._log) + e
+        self._beginnings.note(cell, seen, p, bet)
         if self._excursion <= 0.0:
             self._since, self._excursion, self._moved = begin, 0.0, []
         self._excursion += e
         self._moved = [*self._moved[-200:], x - there.centre]
-        if self._log < math.log(self.threshold):
+        if self.log_evidence < math.log(self.threshold):
             return False
         self.shift = float(np.mean(self._moved))
         self._log, self._excursion = -math.inf, 0.0
+        self._beginnings = Beginnings()
         return True
