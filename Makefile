@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 #   make demo      the paper's step responses over real ROS 2 topics, its figures beside ours, then
-#                  set points that a positioner follows; plots
+#                  set points that a positioner follows, then a twin of a valve that changes; plots
 #   make test      everything that is tested
 #   make bench     speed beside scipy and SUNDIALS, docs/benchmarks.md and its plot written anew
 #   make measured  close_loop on real measurements, docs/measured.md and its figures written anew

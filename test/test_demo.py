@@ -15,7 +15,7 @@ from ros_process import PATIENCE, RosProcess, program
 from booster_ros.paper.comparison import comparison
 from booster_ros.paper.indices import StepIndices
 from booster_ros.paper.printed import table_3
-from booster_ros.programs import demo, demo_closed_loop
+from booster_ros.programs import demo, demo_closed_loop, demo_twin
 from booster_ros.records import read_record
 
 
@@ -53,9 +53,20 @@ def test_the_demo_goes_on_to_the_closed_loop_in_the_same_domain(tmp_path, monkey
     monkeypatch.setattr(demo, 'report', lambda *_: None)
     monkeypatch.setattr(demo, 'show_closed_loop',
                         lambda _, environment: seen.append(environment))
+    monkeypatch.setattr(demo, 'show_twin', seen.append)
     assert demo.main(['--out', str(tmp_path)]) == 0
-    assert len(seen) == 2
+    assert seen[2:] == [tmp_path]
     assert seen[0] is seen[1]
+
+
+def test_the_twin_of_a_valve_that_begins_to_rub_adopts_friction(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(demo_twin, 'HYPOTHESES', ('stem_friction',))
+    demo_twin.show_twin(tmp_path)
+    said = capsys.readouterr().out
+    assert 'alarm: valve_position' in said
+    assert 'verdict: the valve has stem friction' in said
+    assert 's  adopted: it predicted the next 20 s better' in said
+    assert (tmp_path / 'twin.png').read_bytes().startswith(b'\x89PNG')
 
 
 def processes_with(mark: str) -> list[Path]:

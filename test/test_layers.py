@@ -39,7 +39,7 @@ MAY_IMPORT = {
     'campaign': set(),  # judges the diagnosis as a program, of whatever state
     'fleet': {'model', 'report', 'campaign'},
     'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign',
-                 'fleet', 'metrics', 'writing'},
+                 'fleet', 'metrics', 'twin', 'writing'},
     'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing', 'twin'},
 }
 """For each folder the others that it may import, with all that lies in them."""

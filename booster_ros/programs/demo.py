@@ -1,12 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The paper's step test over real ROS 2 topics, and a positioner that holds its position.
+The paper's step test over real ROS 2 topics, a positioner that holds its position, and a twin.
 
 Starts the positioner and the fake controller as two processes, lets the controller play
 0 → 0.4524 → 0 → 0.4524 mA in real time and record what it hears, and prints the paper's Table III
 beside the same indices of that record. Then the controller plays set points of 4, 12 and 4 mm to a
-positioner with a position controller, and the times of its response are printed.
+positioner with a position controller, and the times of its response are printed. Last, a valve
+begins to rub, and its twin says so, has it diagnosed, and adopts what was found.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from ..records import Record, RecordError, read_record
 from ..surroundings import INTERRUPTED
 from .demo_closed_loop import show_closed_loop
 from .demo_nodes import DemoError, play
+from .demo_twin import show_twin
 from .interruption import kept_interruption
 from .path_argument import given_path
 from .ros_domain import claim_domain
@@ -56,6 +58,7 @@ def main(args: Sequence[str] | None = None) -> int:
                 report(record, out / 'step_test.png')
                 print()
                 show_closed_loop(out, environment)
+            show_twin(out)
         except (DemoError, RecordError, OSError, RuntimeError, ValueError) as error:
             complain('demo', error)
             return 2

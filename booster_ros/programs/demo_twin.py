@@ -53,39 +53,45 @@ def answered(reports: Path) -> Answer:
     """Return what the twin makes of a valve that begins to rub; DemoError if it says nothing."""
     twin = Twin(from_values({}), SETTINGS, history=HISTORY)
     diagnosing = Diagnosing(reports.absolute(), HYPOTHESES, LIMIT)
+    said: dict[str, tuple[float, str]] = {}
     verdict: Verdict | None = None
-    alarm, judged, ended, adoption = '', np.nan, np.nan, ''
     course: list[tuple[float, float]] = []
-    alarmed = np.nan
+
+    def say(now: float, what: str, sentence: str) -> None:
+        said[what] = now, sentence
+        print(f'{now:5.0f} s  {what}: {sentence}', flush=True)
+
     try:
         for samples in _valve():
             now = float(samples['time'][-1])
-            for found in _fed(twin, samples):
-                if diagnosing.note(found, SETTINGS.block):
-                    alarm, alarmed = found.sentence, now
-                    print(f'\n{now:5.0f} s  alarm: {alarm}', flush=True)
+            for alarm in _fed(twin, samples):
+                if diagnosing.note(alarm, SETTINGS.block):
+                    say(now, 'alarm', alarm.sentence)
             if 'valve_position' in twin.now:
                 seen = twin.now['valve_position']
                 course.append((seen.time, seen.read - seen.said))
             if verdict is None:
                 verdict = _verdict(diagnosing, twin)
                 if verdict is not None:
-                    judged = now
-                    print(f'{now:5.0f} s  verdict: {verdict.sentence}', flush=True)
-                    if verdict.kind == FOUND:
-                        twin.try_out(from_values(read_parameter_file(
-                            Path(verdict.folder) / 'positioner.yaml').physical), TRIAL)
+                    say(now, 'verdict', verdict.sentence)
+                    _try_out(twin, verdict)
             if twin.trial is not None and twin.trial.is_over:
-                outcome, ended = twin.end_trial(), now
-                adoption = f'{"adopted" if outcome.is_kept else "rolled back"}: {outcome.sentence}'
-                print(f'{now:5.0f} s  the found model was {adoption}', flush=True)
-            if now > ended + AFTERWARDS:
+                outcome = twin.end_trial()
+                say(now, 'adopted' if outcome.is_kept else 'rolled back', outcome.sentence)
+            if twin.trial is None and verdict and now > said['verdict'][0] + TRIAL + AFTERWARDS:
                 break
     finally:
         diagnosing.end()
     if verdict is None:
         raise DemoError('the twin came to no verdict on the valve that rubs')
-    return Answer(*np.array(course).T, CHANGE, alarmed, judged, ended, alarm, verdict, adoption)
+    time_of, residual = np.array(course).T
+    return Answer(time_of, residual, CHANGE, said, verdict)
+
+
+def _try_out(twin: Twin, verdict: Verdict) -> None:
+    if verdict.kind == FOUND:
+        found = Path(verdict.folder) / 'positioner.yaml'
+        twin.try_out(from_values(read_parameter_file(found).physical), TRIAL)
 
 
 def _verdict(diagnosing: Diagnosing, twin: Twin) -> Verdict | None:

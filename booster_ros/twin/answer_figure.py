@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 import textwrap
@@ -22,19 +23,17 @@ BEFORE = 60.0
 
 
 class Answer(NamedTuple):
-    """What a twin said of a valve that changed; times in s, NaN for what did not come to pass."""
+    """What a twin said of a valve that changed."""
 
     time: Array
+    """s"""
     residual: Array
     """Position read less that predicted by the model that ran, m."""
     changed: float
-    alarmed: float
-    judged: float
-    ended: float
-    """End of the trial of the found model."""
-    alarm: str
+    """s"""
+    said: Mapping[str, tuple[float, str]]
+    """Alarm, verdict, end of the trial by name: when, s, and the sentence."""
     verdict: Verdict
-    adoption: str
 
 
 def draw_answer(answer: Answer, noise: float, path: Path) -> None:
@@ -46,18 +45,15 @@ def draw_answer(answer: Answer, noise: float, path: Path) -> None:
                   label='two standard deviations of the noise')
     panel.plot(answer.time[shown], 1e6 * answer.residual[shown], linewidth=1.0,
                label='position read less position predicted')
-    moments = ((answer.changed, 'the packing begins to rub', 'black'),
-               (answer.alarmed, f'alarm: {answer.alarm}', 'tab:orange'),
-               (answer.judged, f'verdict: {answer.verdict.sentence}', 'tab:red'),
-               (answer.ended, f'the found model was {answer.adoption}', 'tab:purple'))
-    for moment, words, colour in moments:
-        if np.isfinite(moment):
-            panel.axvline(moment, color=colour, linestyle='--', label='\n'.join(
-                textwrap.wrap(f'{moment:.0f} s: {words}', 110)))
-    if np.isfinite(answer.judged):
-        panel.axvspan(answer.judged, answer.ended if np.isfinite(answer.ended) else (
-            answer.time[-1]), color='tab:red', alpha=0.08, linewidth=0,
-            label='both models run, the residual is that of the found one')
+    colours = iter(('tab:orange', 'tab:red', 'tab:purple'))
+    panel.axvline(answer.changed, color='black', linestyle='--',
+                  label=f'{answer.changed:.0f} s: the packing begins to rub')
+    for name, (moment, sentence) in answer.said.items():
+        panel.axvline(moment, color=next(colours), linestyle='--', label='\n'.join(
+            textwrap.wrap(f'{moment:.0f} s: {name}: {sentence}', 110)))
+    ended = max(moment for moment, _ in answer.said.values())
+    panel.axvspan(answer.said['verdict'][0], ended, color='tab:red', alpha=0.08, linewidth=0,
+                  label='both models run, the residual is that of the found one')
     panel.set_title('A twin beside a valve that begins to rub')
     panel.set_xlabel('time of the valve, s')
     panel.set_ylabel('residual of the position, µm')

@@ -196,7 +196,8 @@ class Detector:
         return {
             'cells': [[*place, cell.as_values()] for place, cell in self._cells.items()],
             'log': self._log, 'beginnings': self._beginnings.as_values(),
-            'excursion': self._excursion, 'since': self._since, 'moved': self._moved, 'random': self._random.bit_generator.state}
+            'excursion': self._excursion, 'since': self._since, 'moved': self._moved,
+            'random': self._random.bit_generator.state}
 
     def restore(self, values: Mapping[str, Any]) -> None:
         """Go on from where `as_values` was asked: with the same chance to come as well."""
