@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from booster_ros.model.parameters import ParameterError, from_values
+from booster_ros.model.stream import Stream
 from booster_ros.twin.aligning import Aligner
 from booster_ros.twin.alarm import Alarms, Settings
 from booster_ros.twin.detector import Detector, evidence
@@ -250,6 +251,23 @@ def test_blocks_that_have_too_few_rows_to_be_judged_are_said():
     assert twin.health.status == 'function check'
     assert twin.health.reason == ('10 rows have come in a block of 1 s, and 16 are needed: the '
                                   'parameter block has to be larger')
+
+
+def test_samples_of_a_control_system_a_second_apart_are_predicted_from_one_to_the_next():
+    p = from_values({'position_controller.enabled': True})
+    time = np.arange(120.0)
+    set_point = 4e-3 + 8e-3 * (time % 40.0 >= 20.0)
+    read = Stream(p, 0.0, set_point[0]).advance(time, set_point)['valve_position']
+    twin, left = Twin(p, Settings(block=20.0, learning=1e6)), []
+    for k, stamp in enumerate(time.tolist()):
+        twin.add('set_point', stamp, float(set_point[k]))
+        twin.add('valve_position', stamp, float(read[k]))
+        twin.update()
+        if 'valve_position' in twin.now:
+            left.append(twin.now['valve_position'].read - twin.now['valve_position'].said)
+    assert twin.alarms.seen >= 4
+    assert twin.history.end - twin.history.begin > 100.0
+    assert np.max(np.abs(left[30:])) < 0.1e-3
 
 
 # Health, trends, what is kept, parameters

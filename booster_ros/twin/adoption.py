@@ -45,8 +45,8 @@ class Outcome(NamedTuple):
 class Trial:
     """Compares two models over `length` s of rows; without a known noise channels count alike."""
 
-    def __init__(self, length: float) -> None:
-        self.length = length
+    def __init__(self, length: float, gap: float = LONGEST_GAP) -> None:
+        self.length, self._gap = length, gap
         self.seconds = 0.0
         """Time in which both models have said something."""
         self._squares: dict[str, list[float]] = {}
@@ -74,7 +74,7 @@ class Trial:
             total[2] += float(np.sum(after[both]**2))
         for moment in new.time[-count:][said].tolist():
             step = moment - self._last
-            self.seconds += step if 0.0 < step <= LONGEST_GAP else 0.0
+            self.seconds += step if 0.0 < step <= self._gap else 0.0
             self._last = moment
 
     def outcome(self, noise: Mapping[str, float]) -> Outcome:

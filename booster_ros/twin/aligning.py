@@ -18,6 +18,9 @@ LONGEST_GAP = 0.5
 """Longest time, s, between two readings of a channel within which it is known: what it drives
 begins anew after that, no row of a record is filled across it, and no time of a trial counts."""
 
+SAMPLES_OF_A_GAP = 2.5
+"""The same, in usual intervals between readings, where these are longer: one may be missing."""
+
 Array = np.ndarray
 
 
@@ -88,6 +91,12 @@ class Aligner:
         for name in CHANNELS:
             self._stamps[name].clear()
             self._values[name].clear()
+
+    def longest_gap(self) -> float:
+        """Return the longest gap, s, in what comes of this valve, by the samples that wait."""
+        steps = np.diff(max((self._stamps[name] for name in READINGS), key=len))
+        return max(LONGEST_GAP, SAMPLES_OF_A_GAP * float(np.median(steps))) if len(steps) else (
+            LONGEST_GAP)
 
     def rows(self) -> dict[str, Array]:
         """

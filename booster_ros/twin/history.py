@@ -14,8 +14,8 @@ from .aligning import CHANNELS, DRIVES, LONGEST_GAP, READINGS
 
 Array = np.ndarray
 
-LONGEST_SILENCE = 1.0
-"""Time, s, without any row after which a record begins anew: what drives the valve is not known
+GAPS_OF_A_SILENCE = 2.0
+"""Longest gaps without any row after which a record begins anew: what drives the valve is not known
 there, and nothing can be compared until its chamber has forgotten it."""
 
 MOST_ROWS = 200_000
@@ -30,6 +30,8 @@ class History:
 
     def __init__(self, span: float) -> None:
         self.span = span
+        self.gap = LONGEST_GAP
+        """Longest time, s, between readings of a channel across which it is filled."""
         self._pieces: deque[dict[str, Array]] = deque()
         self._rows = 0
 
@@ -53,9 +55,10 @@ class History:
         time = rows['time']
         if not len(time):
             return
-        if self._pieces and not 0.0 < time[0] - self.end <= LONGEST_SILENCE:
+        silence = GAPS_OF_A_SILENCE * self.gap
+        if self._pieces and not 0.0 < time[0] - self.end <= silence:
             self.clear()
-        silences = np.flatnonzero(np.diff(time) > LONGEST_SILENCE)
+        silences = np.flatnonzero(np.diff(time) > silence)
         if len(silences):
             self.clear()
             rows = {name: values[silences[-1] + 1:] for name, values in rows.items()}
@@ -70,7 +73,7 @@ class History:
         Return the columns of a record of the last `span` s, or from `since` s on if that is later.
 
         Rows are those of the reading that came most often, shape (n,). Other readings are
-        interpolated between neighbours no more than `LONGEST_GAP` apart, and NaN beyond; of a
+        interpolated between neighbours no more than `gap` apart, and NaN beyond; of a
         drive, the last sample stands. Channels that never came are left out, and rows before the
         first sample of a drive. No column at all where there are no rows.
         """
@@ -93,11 +96,11 @@ class History:
         for name in CHANNELS:
             if came[name]:
                 columns[name] = rows[name][used] if name in DRIVES else _between(
-                    time, rows[name], time[used])
+                    time, rows[name], time[used], self.gap)
         return columns
 
 
-def _between(time: Array, values: Array, wanted: Array) -> Array:
+def _between(time: Array, values: Array, wanted: Array, longest: float) -> Array:
     """Return a reading at the wanted times, NaN where none is near before or after."""
     known = np.isfinite(values)
     at = time[known]
@@ -105,7 +108,7 @@ def _between(time: Array, values: Array, wanted: Array) -> Array:
     before = np.maximum(np.searchsorted(at, wanted, 'right') - 1, 0)
     inside = (wanted >= at[0]) & (wanted <= at[-1])
     gap = at[np.minimum(after, len(at) - 1)] - at[before]
-    return np.where(inside & (gap <= LONGEST_GAP), np.interp(wanted, at, values[known]), math.nan)
+    return np.where(inside & (gap <= longest), np.interp(wanted, at, values[known]), math.nan)
 
 
 def write_record(path: Path, columns: Mapping[str, Array]) -> None:

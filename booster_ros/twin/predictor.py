@@ -69,17 +69,18 @@ class Predictor:
     """
     Steps the model of a valve beside rows of its samples, and begins anew where these break off.
 
-    `driven` has the measured channels: those that never come are not waited for.
+    `driven` has the measured channels: those that never come are not waited for. A part begins anew
+    where what drives it has come less often than every `gap` s.
     """
 
     def __init__(
         self, parameters: PositionerParameters, driven: frozenset[str], compiled: bool = True,
-        settling: float = SETTLING,
+        settling: float = SETTLING, gap: float = LONGEST_GAP,
     ) -> None:
         self.parameters = parameters
         self.restarts = 0
         """How often a part has begun anew after a break."""
-        self._parts = [_Part(parameters, role, compiled, settling)
+        self._parts = [_Part(parameters, role, compiled, settling, gap)
                        for role in roles(parameters, driven)]
         self._near: dict[str, Array] = {}
         """Rows before the next ones that are near enough to smooth these, the last of them not used
@@ -156,14 +157,14 @@ def roles(p: PositionerParameters, driven: frozenset[str]) -> tuple[Role, ...]:
 class _Part:
     """One part: its stream, and the last rows of what drives it."""
 
-    def __init__(self, p: PositionerParameters, role: Role, compiled: bool, settling: float
-                 ) -> None:
+    def __init__(self, p: PositionerParameters, role: Role, compiled: bool, settling: float,
+                 gap: float) -> None:
         loop = role.command == 'set_point'
         self._p = p if loop else p._replace(
             position_controller=p.position_controller._replace(enabled=False))
         self.role = role
         self.starts = 0
-        self._compiled, self._settling = compiled, settling
+        self._compiled, self._settling, self._gap = compiled, settling, gap
         self._needs_command = loop or not set(role.pinned) & {'back_pressure', PRESSURE}
         self.stop()
 
@@ -188,12 +189,12 @@ class _Part:
         places = np.flatnonzero(usable)
         if not len(places):
             return said, settled
-        breaks = np.flatnonzero(np.diff(time[places]) > LONGEST_GAP) + 1
+        breaks = np.flatnonzero(np.diff(time[places]) > self._gap) + 1
         for piece in np.split(places, breaks):
             inside = (piece >= use.start) & (piece < use.stop)
             if not inside.any():
                 continue
-            if not time[piece[inside][0]] - self._last <= LONGEST_GAP:
+            if not time[piece[inside][0]] - self._last <= self._gap:
                 self.stop()
             there = piece[inside]
             said[there], settled[there] = self._run(command, rows, piece, inside)

@@ -92,6 +92,8 @@ class Twin:
         self._noise: dict[str, float] = {}
         self._misfit: dict[str, float] = {}
         self._block: Prediction | None = None
+        self._gap: float | None = None
+        """Longest gap, s, of this valve; None while it is not known."""
         self._rows = 0
         """Rows of the last block."""
 
@@ -113,7 +115,8 @@ class Twin:
         self._before = _Before(
             self._parameters, self._predictor, self._alarms, self._misfit, self.latched)
         self.adopt(parameters)
-        self.trial = Trial(seconds)
+        assert self._gap is not None
+        self.trial = Trial(seconds, self._gap)
 
     def end_trial(self) -> Outcome:
         """Keep the model on trial if it was better, else go on with the one before."""
@@ -246,8 +249,10 @@ class Twin:
         awaited = set(self._recalled['channels']) if self._recalled else set()
         if awaited - set(self._came) and newest - self._begun < RECALLING:
             return False
+        if self._gap is None:
+            self._gap = self.history.gap = self.aligner.longest_gap()
         self._predictor = Predictor(
-            self._parameters, frozenset(self._came), self._compiled)
+            self._parameters, frozenset(self._came), self._compiled, gap=self._gap)
         names = [(channel, kind) for channel in self._predictor.channels for kind in KINDS]
         self._alarms = self._restored(names) or Alarms(self.settings, names)
         return True
