@@ -54,6 +54,7 @@ BESIDE_THE_RULE = {
     'parameters/table.py': 'control',  # a page of the docs, made of the tables of both nodes
     'benchmark/node_floor.py': 'nodes',  # a node as well, which has to start as the others do
     'benchmark/twin_change.py': 'nodes',  # the twin, tick by tick with its valve
+    'benchmark/twin_replay.py': 'nodes',  # and with a bag
 }
 
 ROS = {'rclpy', 'std_msgs', 'sensor_msgs', 'diagnostic_msgs', 'rcl_interfaces', 'std_srvs'}
