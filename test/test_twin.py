@@ -199,7 +199,8 @@ def test_another_operating_point_is_no_alarm():
 
 
 def blocks_of(numbers):
-    return [Summary(20.0 * k, 20.0 * k + 20.0, CELL, {('valve_position', 'level'): float(x)})
+    return [Summary(20.0 * k, 20.0 * k + 20.0, {'valve_position': CELL},
+                    {('valve_position', 'level'): float(x)})
             for k, x in enumerate(numbers)]
 
 
@@ -268,6 +269,20 @@ def test_samples_of_a_control_system_a_second_apart_are_predicted_from_one_to_th
     assert twin.alarms.seen >= 4
     assert twin.history.end - twin.history.begin > 100.0
     assert np.max(np.abs(left[30:])) < 0.1e-3
+
+
+def test_a_fault_that_moves_the_valve_to_where_it_never_was_is_seen_where_it_is_born():
+    twin = Twin(from_values({}), Settings(block=2.0, learning=160.0, false_alarms=1e3))
+    for begin, values in ((0.0, {}), (200.0, {'ep_converter.gain_loss': 0.25})):
+        rows = record(values, seconds=200.0)
+        for k, stamp in enumerate(rows['time'].tolist()):
+            for name in ('control_current', 'chamber_pressure', 'valve_position'):
+                twin.add(name, begin + stamp, float(rows[name][k]))
+            twin.update()
+        assert bool(twin.latched) == bool(values)
+    first = min(twin.latched, key=lambda alarm: alarm.time)
+    assert first.channel == 'chamber_pressure'
+    assert 200.0 < first.time < 240.0
 
 
 # Health, trends, what is kept, parameters

@@ -214,7 +214,8 @@ def test_of_two_models_side_by_side_the_one_of_the_valve_goes_on(plant, found, i
 # What is known after a restart
 
 def blocks_of(numbers, begin=0):
-    return [Summary(2.0 * k, 2.0 * k + 2.0, CELL, {('valve_position', 'level'): float(x)})
+    return [Summary(2.0 * k, 2.0 * k + 2.0, {'valve_position': CELL},
+                    {('valve_position', 'level'): float(x)})
             for k, x in enumerate(numbers, begin)]
 
 

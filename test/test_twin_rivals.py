@@ -7,7 +7,8 @@ import pytest
 
 from booster_ros.benchmark.twin_page import seen
 from booster_ros.benchmark.twin_rivals import PROMISED, cusum, page_hinkley, rivals
-from booster_ros.benchmark.twin_valves import LASTS, LEARNING, NAMES, Run, first_seen
+from booster_ros.benchmark.twin_valves import (
+    CHANNELS, LASTS, LEARNING, NAMES, Run, first_seen)
 from booster_ros.twin.summaries import Summary
 
 LENGTH = 20.0
@@ -19,7 +20,7 @@ def run(seed: int, shift: float = 0.0, changed: float = LASTS) -> Run:
     ends = np.arange(LENGTH, LASTS + LENGTH, LENGTH)
     numbers = random.standard_normal((len(ends), len(NAMES)))
     numbers[ends > changed] += shift
-    return Run([Summary(end - LENGTH, end, (0, 1), dict(zip(NAMES, row)))
+    return Run([Summary(end - LENGTH, end, dict.fromkeys(CHANNELS, (0, 1)), dict(zip(NAMES, row)))
                 for end, row in zip(ends, numbers.tolist())], changed)
 
 

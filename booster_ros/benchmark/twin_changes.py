@@ -31,6 +31,9 @@ FAULTS = (
     'exhaust_seat_leak', 'ep_gain_loss', 'dead_time', 'position_backlash', 'pressure_sensor_bias')
 """What a valve of this age may get; each takes its turn."""
 
+SIZES = 2
+"""Sizes of each fault that a valve gets."""
+
 COMMAND = 'python -m booster_ros.benchmark.twin_changes FOLDER --write'
 
 KEPT = 'changes.jsonl'
@@ -50,7 +53,7 @@ def main(arguments: list[str] | None = None) -> int:
     missing = [seed for seed in range(given.changes) if seed not in known]
     with (ProcessPoolExecutor(given.jobs, multiprocessing.get_context('spawn')) as pool,
           kept.open('a', encoding='utf-8') as file):
-        numbers = [seed // len(FAULTS) for seed in missing]
+        numbers = [seed // (SIZES * len(FAULTS)) for seed in missing]
         memories = {number: given.folder / f'learnt_{number:02}.json' for number in numbers}
         new = [number for number, memory in memories.items() if not memory.exists()]
         list(tqdm(pool.map(learn, new, [memories[number] for number in new]), total=len(new)))

@@ -182,5 +182,6 @@ def drawn_alarms(hours: float, per_thousand: float) -> tuple[int, float]:
                  random.integers(0, 3, length // 90 + 1).repeat(90)[:length]]
         for k, numbers in enumerate(np.array(columns).T.tolist()):
             count += len(alarms.note(Summary(
-                BLOCK * k, BLOCK * (k + 1), cells[k], dict(zip(NAMES, numbers)))))
+                BLOCK * k, BLOCK * (k + 1), dict.fromkeys(CHANNELS, cells[k]),
+                dict(zip(NAMES, numbers)))))
     return count, valves * each

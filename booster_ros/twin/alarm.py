@@ -77,7 +77,7 @@ class Alarms:
         self.join: int | None = None
         """Blocks that are judged as one; None while that is being learnt."""
         self._detectors: dict[tuple[str, str], Detector] = {}
-        self._cell: tuple[int, int] | None = None
+        self._cells: dict[str, tuple[int, int]] = {}
 
     @property
     def promised(self) -> bool:
@@ -98,11 +98,12 @@ class Alarms:
                 return f'learning: {seen:.0f} of {self.settings.learning:.0f} s'
             return ('residuals hang together for longer than blocks of this length: no rate of '
                     'false alarms can be promised yet')
-        if self._cell is not None:
-            known = max((one.compared_with(self._cell) for one in self._detectors.values()),
-                        default=0)
+        for channel, cell in self._cells.items():
+            known = max((one.compared_with(cell) for name, one in self._detectors.items()
+                         if name[0] == channel), default=FEWEST)
             if known < FEWEST:
-                return (f'this operating point is new: {known} of {FEWEST} blocks to compare with')
+                return (f'this operating point of {channel} is new: {known} of {FEWEST} blocks to '
+                        'compare with')
         return ''
 
     @property
@@ -150,7 +151,7 @@ class Alarms:
         """Return what has been learnt as plain values, for `restored`."""
         return {
             'settings': list(self.settings), 'names': [list(name) for name in self.names],
-            'join': self.join, 'blocks': self.blocks, 'cell': self._cell,
+            'join': self.join, 'blocks': self.blocks, 'cells': self._cells,
             'first': [one.as_values() for one in self._first],
             'waiting': [one.as_values() for one in self._waiting],
             'detectors': [self._detectors[name].as_values() for name in self.names]
@@ -166,7 +167,8 @@ class Alarms:
                 or values['names'] != [list(name) for name in made.names]):
             return None
         made.join, made.blocks = values['join'], int(values['blocks'])
-        made._cell = values['cell'] and (int(values['cell'][0]), int(values['cell'][1]))
+        made._cells = {str(channel): (int(third), int(way))
+                       for channel, (third, way) in values['cells'].items()}
         made._first = [Summary.restored(one) for one in values['first']]
         made._waiting = [Summary.restored(one) for one in values['waiting']]
         if made.join is not None:
@@ -177,11 +179,11 @@ class Alarms:
 
     def _judge(self, block: Summary) -> list[Alarm]:
         self.blocks += 1
-        self._cell = block.cell
+        self._cells = block.cells
         found = []
         for name, detector in self._detectors.items():
             if name in block.numbers and detector.note(
-                    block.begin, block.cell, block.numbers[name]):
+                    block.begin, block.cells[name[0]], block.numbers[name]):
                 found.append(Alarm(block.end, detector.since, *name, detector.shift))
         self.alarms = [*self.alarms, *found][-100:]
         return found

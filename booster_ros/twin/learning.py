@@ -65,7 +65,7 @@ def _names(blocks: list[Summary]) -> list[tuple[str, str]]:
 def _numbers(blocks: list[Summary], name: tuple[str, str]) -> np.ndarray:
     """Return a number over blocks, the mean of each cell taken off: cells are judged apart."""
     kept = [one for one in blocks if name in one.numbers]
-    cells = {one.cell for one in kept}
-    means = {cell: np.mean([one.numbers[name] for one in kept if one.cell == cell])
-             for cell in cells}
-    return np.array([one.numbers[name] - means[one.cell] for one in kept])
+    cells = [one.cells[name[0]] for one in kept]
+    means = {cell: np.mean([one.numbers[name] for one in kept if one.cells[name[0]] == cell])
+             for cell in set(cells)}
+    return np.array([one.numbers[name] - means[cell] for one, cell in zip(kept, cells)])

@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a block of residuals is summarised by: a few numbers per channel, and its operating cell."""
+"""What a block of residuals is summarised by: by channel a few numbers, and an operating cell."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -28,24 +28,31 @@ THIRDS = 3
 
 
 class Summary(NamedTuple):
-    """A block: where it begins and ends (s), its cell, and its numbers by (channel, kind)."""
+    """
+    A block: where it begins and ends (s), cells by channel, and numbers by (channel, kind).
+
+    A cell is told by what the model says of the same channel, which a fault of that part does not
+    move: else a large fault would be taken for an operating point that is new.
+    """
+
+
 
     begin: float
     end: float
-    cell: tuple[int, int]
+    cells: dict[str, tuple[int, int]]
     numbers: dict[tuple[str, str], float]
 
     def as_values(self) -> list[Any]:
         """Return it as plain values, for `restored`."""
-        return [self.begin, self.end, list(self.cell),
+        return [self.begin, self.end, {name: list(cell) for name, cell in self.cells.items()},
                 [[*name, number] for name, number in self.numbers.items()]]
 
     @classmethod
     def restored(cls, values: Sequence[Any]) -> 'Summary':
         """Return the summary that `as_values` told of."""
-        begin, end, (third, activity), numbers = values
-        return cls(begin, end, (third, activity), {
-            (channel, kind): number for channel, kind, number in numbers})
+        begin, end, cells, numbers = values
+        return cls(begin, end, {name: (third, way) for name, (third, way) in cells.items()},
+                   {(channel, kind): number for channel, kind, number in numbers})
 
 
 def summary(
@@ -79,13 +86,13 @@ def summary(
             numbers[name, REVERSAL] = 0.5 * float(np.mean(share[up]) - np.mean(share[down]))
     if not numbers:
         return None
-    return Summary(float(time[0]), float(time[-1]), _cell(said, spans), numbers)
+    cells = {name: _cell(course / spans[name]) for name, course in said.items()}
+    return Summary(float(time[0]), float(time[-1]), cells, numbers)
 
 
-def _cell(said: Mapping[str, Array], spans: Mapping[str, float]) -> tuple[int, int]:
-    """Return the operating cell of a block, told by the last channel that is predicted."""
-    name = list(said)[-1]
-    course = said[name][np.isfinite(said[name])] / spans[name]
+def _cell(said: Array) -> tuple[int, int]:
+    """Return the operating cell of what is said of a channel, in shares of its span."""
+    course = said[np.isfinite(said)]
     if not len(course):
         return 0, 0
     third = int(np.clip(THIRDS * np.mean(course), 0, THIRDS - 1))
@@ -94,10 +101,12 @@ def _cell(said: Mapping[str, Array], spans: Mapping[str, float]) -> tuple[int, i
 
 
 def joined(blocks: list[Summary]) -> Summary:
-    """Return several blocks as one: numbers averaged, the cell of the most motion."""
+    """Return several blocks as one: numbers averaged, of each channel the cell of most motion."""
     names = dict.fromkeys(name for one in blocks for name in one.numbers)
     return Summary(
         blocks[0].begin, blocks[-1].end,
-        max((one.cell for one in blocks), key=lambda cell: cell[1]),
+        {channel: max((one.cells[channel] for one in blocks if channel in one.cells),
+                      key=lambda cell: cell[1])
+         for channel in dict.fromkeys(channel for one in blocks for channel in one.cells)},
         {name: float(np.mean([one.numbers[name] for one in blocks if name in one.numbers]))
          for name in names})
