@@ -15,6 +15,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 import sys
 import tempfile
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
@@ -64,7 +65,7 @@ def messages(bag: Path) -> Iterator[tuple[int, str, float]]:
     types = get_typestore(Stores.ROS2_JAZZY)
     with Reader(bag) as reader:
         for connection, stamp, raw in reader.messages():
-            message = types.deserialize_cdr(raw, connection.msgtype)
+            message: Any = types.deserialize_cdr(raw, connection.msgtype)
             yield stamp, connection.topic.lstrip('/'), float(message.data)
 
 

@@ -35,8 +35,6 @@ class Summary(NamedTuple):
     move: else a large fault would be taken for an operating point that is new.
     """
 
-
-
     begin: float
     end: float
     cells: dict[str, tuple[int, int]]
