@@ -8,11 +8,15 @@ from booster_ros.model.parameters import from_values
 from booster_ros.model.stream import Stream
 
 
-def moving_valve(values, seconds, rate, dwell, seed=0):
-    """Return columns of a valve with these parameters, `rate` a second, a step each `dwell` s."""
+def moving_valve(values, seconds, rate, dwell, seed=0, low=0.4e-3, high=0.46e-3):
+    """
+    Return columns of a valve with these parameters, `rate` a second, a step each `dwell` s.
+
+    Steps go to currents from `low` to `high`, A.
+    """
     random = np.random.default_rng(seed)
     time = np.arange(round(seconds * rate)) / rate
-    current = 0.4e-3 + 0.06e-3 * random.random(len(time))[(time / dwell).astype(int)]
+    current = low + (high - low) * random.random(len(time))[(time / dwell).astype(int)]
     seen = Stream(from_values(dict(values)), 0.0, current[0], {'chamber_pressure': 2e5}).advance(
         time, current)
     return {

@@ -285,6 +285,31 @@ def test_a_fault_that_moves_the_valve_to_where_it_never_was_is_seen_where_it_is_
     assert 200.0 < first.time < 240.0
 
 
+def test_where_no_alarm_can_be_given_the_valve_is_not_called_good_all_the_same():
+    """A stop within the travel shows where the valve had not been while it was learnt."""
+    limited = {'actuator.upper_travel_lost': 0.4}
+    rows = [moving_valve({}, 200.0, RATE, 5.0, 0, 0.41e-3, 0.425e-3),
+            moving_valve(limited, 100.0, RATE, 5.0, 1, 0.45e-3, 0.46e-3)]
+    twin, told = Twin(from_values({}), Settings(block=2.0, learning=160.0)), []
+    for begin, columns in zip((0.0, 200.0), rows):
+        for k, stamp in enumerate(columns['time'].tolist()):
+            for name in ('control_current', 'chamber_pressure', 'valve_position'):
+                twin.add(name, begin + stamp, float(columns[name][k]))
+            twin.update()
+        told.append(twin.health)
+    assert told[0].status != 'out of specification', told[0]
+    assert not twin.latched
+    assert told[1].status == 'out of specification', told[1]
+    assert 'the model misses valve_position by' in told[1].reason
+    again = Twin(from_values({}), Settings(block=2.0, learning=160.0))
+    again.recall(twin.calibration())
+    for k, stamp in enumerate(rows[1]['time'][:600].tolist()):
+        for name in ('control_current', 'chamber_pressure', 'valve_position'):
+            again.add(name, stamp, float(rows[1][name][k]))
+        again.update()
+    assert again.health == told[1]._replace(reason=again.health.reason)
+
+
 # Health, trends, what is kept, parameters
 
 def test_health_says_the_worst_that_holds():

@@ -23,7 +23,7 @@ def health(silent: list[str], alarms: list[str], beyond: list[str], lacking: str
     Return the worst that holds.
 
     `silent` are channels that no longer come, `alarms` sentences on what has changed, `beyond`
-    readings that cannot be, `lacking` what keeps the twin from judging.
+    what cannot be of the valve that was learnt, `lacking` what keeps the twin from judging.
     """
     if silent:
         return Health(FAILURE, f'nothing comes any more of {" and ".join(silent)}')

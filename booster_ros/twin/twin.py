@@ -32,6 +32,10 @@ SILENT = 5.0
 BEYOND = 1.2
 """Share of the span from which a reading cannot be."""
 
+TIMES_LEARNT = 3.0
+"""Factor on the most that the model missed while the valve was learnt, beyond which the valve is no
+longer the one that was: also where its operating point is new, and no alarm can be given."""
+
 REMEMBERED = 0.05
 """Weight of a new block in the running levels of noise and residual."""
 
@@ -58,6 +62,7 @@ class _Before(NamedTuple):
     predictor: Predictor
     alarms: Alarms | None
     misfit: dict[str, float]
+    learnt: dict[str, float]
     latched: list[Alarm]
 
 
@@ -91,6 +96,8 @@ class Twin:
         self._begun = math.nan
         self._noise: dict[str, float] = {}
         self._misfit: dict[str, float] = {}
+        self._learnt: dict[str, float] = {}
+        """The largest of each while the valve was learnt."""
         self._block: Prediction | None = None
         self._gap: float | None = None
         """Longest gap, s, of this valve; None while it is not known."""
@@ -106,14 +113,15 @@ class Twin:
         """Run another model from now on; what is healthy for it has to be learnt anew."""
         self._parameters = parameters
         self._predictor = self._alarms = None
-        self._block, self._misfit, self.latched = None, {}, []
+        self._block, self._misfit, self._learnt, self.latched = None, {}, {}, []
 
     def try_out(self, parameters: PositionerParameters, seconds: float) -> None:
         """Run another model on trial: `seconds` s beside the one so far, see `adoption`."""
         if self._predictor is None:
             raise RuntimeError('nothing runs that another model could be compared with')
         self._before = _Before(
-            self._parameters, self._predictor, self._alarms, self._misfit, self.latched)
+            self._parameters, self._predictor, self._alarms, self._misfit, self._learnt,
+            self.latched)
         self.adopt(parameters)
         assert self._gap is not None
         self.trial = Trial(seconds, self._gap)
@@ -124,7 +132,7 @@ class Twin:
         assert self._before is not None
         outcome = self.trial.outcome(self._noise)
         if not outcome.is_kept:
-            (self._parameters, self._predictor, self._alarms, self._misfit,
+            (self._parameters, self._predictor, self._alarms, self._misfit, self._learnt,
              self.latched) = self._before
             self._block = None
         self.trial = self._before = None
@@ -136,15 +144,18 @@ class Twin:
 
         Of a model on trial nothing is told, but of the one before.
         """
-        parameters, alarms, latched = self._parameters, self._alarms, self.latched
+        parameters, alarms, learnt = self._parameters, self._alarms, self._learnt
+        latched = self.latched
         if self._before is not None:
-            parameters, alarms = self._before.parameters, self._before.alarms
+            parameters, alarms, learnt = (
+                self._before.parameters, self._before.alarms, self._before.learnt)
             latched = self._before.latched
         if alarms is None:
             return None
         return {
             'model': digest_of(parameters), 'channels': sorted(self._came), 'noise': self._noise,
-            'alarms': alarms.as_values(), 'latched': [list(one) for one in latched]}
+            'learnt': learnt, 'alarms': alarms.as_values(),
+            'latched': [list(one) for one in latched]}
 
     def recall(self, calibration: Mapping[str, Any]) -> None:
         """Go on from a calibration once the channels are known; `remark` says if it is no use."""
@@ -166,7 +177,9 @@ class Twin:
                                'alarms: it is made anew')
                 return None
             self.latched = [Alarm(*one) for one in recalled['latched']]
-            self._noise = {str(name): float(one) for name, one in recalled['noise'].items()}
+            self._noise, self._learnt = (
+                {str(name): float(one) for name, one in recalled[kind].items()}
+                for kind in ('noise', 'learnt'))
         except (KeyError, TypeError, ValueError) as error:
             self.remark = f'the calibration is damaged ({error!r}): it is made anew'
             return None
@@ -276,6 +289,9 @@ class Twin:
         self._rows = len(rows.time)
         block = summary(rows.time, rows.said, rows.left, self.spans)
         assert self._alarms is not None
+        if not self._alarms.promised:
+            self._learnt = {name: max(size, self._learnt.get(name, 0.0))
+                            for name, size in self._misfit.items()}
         return [] if block is None else self._alarms.note(block)
 
     def _follow(self, levels: dict[str, float], name: str, new: float) -> None:
@@ -305,5 +321,10 @@ class Twin:
             f'{name} reads {now.read:.4g}, beyond what this valve can have'
             for name, now in self.now.items() if name in COMPARED
             and not -BEYOND + 1.0 <= now.read / self.spans[name] <= BEYOND]
+        beyond += [
+            f'the model misses {name} by {size / self._learnt[name]:.1f} times the most it did '
+            'while the valve was learnt' for name, size in self._misfit.items()
+            if name in self._learnt and size > TIMES_LEARNT * self._learnt[name]
+            and name not in {one.channel for one in self.latched}]
         worst = {(one.channel, one.kind): one.sentence for one in self.latched}
         return health(self.silent(), list(worst.values()), beyond, lacking)
