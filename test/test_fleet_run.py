@@ -9,12 +9,12 @@ import subprocess
 import sys
 import time
 
+from dask_scheduler import PLAIN, scheduler
 import pandas as pd
 import pytest
 from ros_process import ROOT
 
 SAMPLES = ROOT / 'test' / 'samples'
-PLAIN = {**os.environ, 'PYTHONPATH': str(ROOT)}
 
 
 def write_plant(folder):
@@ -82,29 +82,9 @@ def test_only_what_has_changed_is_diagnosed_again(plant):
 
 
 def test_a_scheduler_with_two_workers_gives_the_same_to_the_last_digit(plant, tmp_path):
-    """Neither knows the package beforehand: the scheduler needs it not at all."""
     manifest, out, _ = plant
-    bare = {name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}
-    address = tmp_path / 'scheduler.json'
-    started = []
-    try:
-        started.append(subprocess.Popen(
-            [sys.executable, '-m', 'distributed.cli.dask_scheduler', '--host', '127.0.0.1',
-             '--port', '0', '--no-dashboard', '--scheduler-file', str(address)], cwd=tmp_path,
-            env=bare, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
-        while not address.exists():
-            time.sleep(0.1)
-            assert started[0].poll() is None
-        started += [subprocess.Popen(
-            [sys.executable, '-m', 'distributed.cli.dask_worker', '--scheduler-file', str(address),
-             '--nthreads', '1', '--no-nanny', '--no-dashboard'], cwd=tmp_path, env=PLAIN,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for _ in range(2)]
-        found = re.search(r'"address": "(tcp://[^"]+)"', address.read_text())
-        fleet(manifest, tmp_path / 'out', '--scheduler', found[1])
-    finally:
-        for process in started[::-1]:
-            process.terminate()
-            process.wait(30)
+    with scheduler(tmp_path, 2) as address:
+        fleet(manifest, tmp_path / 'out', '--scheduler', address)
     for valve in ('FV-1', 'FV-3'):
         for name in ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml'):
             one, other = (folder / 'valves' / valve / name for folder in (out, tmp_path / 'out'))
