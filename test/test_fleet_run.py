@@ -10,23 +10,35 @@ import sys
 import time
 
 from dask_scheduler import PLAIN, scheduler
+import numpy as np
 import pandas as pd
 import pytest
-from ros_process import ROOT
 
-SAMPLES = ROOT / 'test' / 'samples'
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import PositionerParameters
+from booster_ros.parameters.file import write_parameter_file
+from booster_ros.records import CsvWriter
+
+
+CLOSED = PositionerParameters()
+CLOSED = CLOSED._replace(booster=CLOSED.booster._replace(opening_gain=0.0))
+"""A chamber that is shut off: a diagnosis takes a second or two."""
 
 
 def write_plant(folder):
     """Write a plant of a valve that lacks nothing, one that does, a torn record and none."""
-    for name, rows in (('none', 3000), ('chamber_leak', 3000)):
-        lines = (SAMPLES / f'sample_{name}_fit.csv').read_text().splitlines(keepends=True)
-        (folder / f'{name}.csv').write_text(''.join(lines[:rows + 1]))
-        (folder / f'{name}.yaml').write_text((SAMPLES / f'sample_{name}.yaml').read_text())
+    write_parameter_file(folder / 'closed.yaml', CLOSED)
+    clock = 0.1 * np.arange(300)
+    for name, area in (('none', 0.0), ('leak', 4e-8)):
+        plant = CLOSED._replace(actuator=CLOSED.actuator._replace(leak_area=area))
+        run = simulate(plant, clock, np.zeros(300), {'chamber_pressure': 140e3})
+        noise = 100.0 * np.random.default_rng(5).standard_normal(300)
+        with CsvWriter(folder / f'{name}.csv', ('time', 'chamber_pressure')) as writer:
+            writer.write_rows(np.column_stack([clock, run['chamber_pressure'] + noise]))
     (folder / 'torn.csv').write_text('time,control_current,chamber_pressure\n0,0.004,1e5\n1,x,1\n')
     (folder / 'plant.csv').write_text(
-        'valve,record,parameters\nFV-1,none.csv,none.yaml\nFV-2,torn.csv,none.yaml\n'
-        'FV-3,chamber_leak.csv,chamber_leak.yaml\nFV-4,gone.csv,none.yaml\n')
+        'valve,record,parameters\nFV-1,none.csv,closed.yaml\nFV-2,torn.csv,closed.yaml\n'
+        'FV-3,leak.csv,closed.yaml\nFV-4,gone.csv,closed.yaml\n')
     return folder / 'plant.csv'
 
 
