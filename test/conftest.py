@@ -42,14 +42,14 @@ def starts_nodes(module: ModuleType) -> bool:
 
 
 LONG = (
-    'test_stepwise', 'test_fake_controller', 'test_fleet_run', 'test_loop_closed', 'test_friction',
-    'test_interval_coverage', 'test_style', 'test_discrepancy', 'test_hidden_plant',
-    'test_close_loop', 'test_test_set', 'test_twin_node', 'test_campaign', 'test_docs_testing')
+    'test_stepwise', 'test_fake_controller', 'test_style', 'test_campaign', 'test_loop_closed',
+    'test_fleet_run', 'test_interval_coverage', 'test_friction', 'test_discrepancy',
+    'test_close_loop', 'test_test_set', 'test_hidden_plant', 'test_twin_node', 'test_docs_testing')
 """
-Files that take longest, these first: what comes last would keep one of several cores busy alone.
+Files that take long, these first: what comes last would keep one of several cores busy alone.
 
-The first compiles the model where it is not compiled yet. The second starts nodes, which need no
-machine code: so two processes do not compile the same.
+The first compiles the model where it is not compiled yet, a minute's work. The next three need no
+machine code, so that no other process compiles the same meanwhile.
 """
 
 
