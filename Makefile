@@ -19,6 +19,10 @@ ifndef ROS_DISTRO
 unexport AMENT_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
 endif
 
+# Hundreds of processes start here: where no bytecode is kept, each compiles its libraries anew,
+# which takes longer than all else it does.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test bench measured pins clean
 
 demo:
@@ -27,7 +31,7 @@ demo:
 
 test:
 	@$(PYTHON) scripts/prepare_environment.py test
-	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
+	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 # The peers live in an environment of their own; the node is measured in the one that runs it.
 bench:

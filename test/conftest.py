@@ -41,11 +41,25 @@ def starts_nodes(module: ModuleType) -> bool:
     return any(str(home).partition('.')[0] in WITH_NODES for home in homes)
 
 
+LONG = (
+    'test_stepwise', 'test_fake_controller', 'test_style', 'test_campaign', 'test_loop_closed',
+    'test_fleet_run', 'test_interval_coverage', 'test_friction', 'test_discrepancy',
+    'test_close_loop', 'test_test_set', 'test_hidden_plant', 'test_twin_node', 'test_docs_testing')
+"""
+Files that take long, these first: what comes last would keep one of several cores busy alone.
+
+The first compiles the model where it is not compiled yet, a minute's work. The next three need no
+machine code, so that no other process compiles the same meanwhile.
+"""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark each test as one of those that start nodes or of those that do not."""
+    """Mark each test as one that starts nodes or one that does not; put the longest files first."""
     for item in items:
         if isinstance(item, pytest.Function) and not item.get_closest_marker('linter'):
             item.add_marker('ros' if starts_nodes(item.module) else 'unit')
+    place = {name: number for number, name in enumerate(LONG)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(LONG)))
 
 
 @pytest.fixture(scope='session')

@@ -7,17 +7,22 @@ The program that is judged is a stand-in for another checkout: what it says of a
 in the record's first line.
 """
 
+from dataclasses import replace
 import json
+import os
 from pathlib import Path
 import signal
 import subprocess
 import sys
 import time
 
+from dask_scheduler import scheduler
 import pytest
 from ros_process import ROOT
 
+from booster_ros.campaign import running
 from booster_ros.campaign.results import read_results
+from booster_ros.campaign.scoring import Outcome
 from booster_ros.programs.campaign import main
 
 STAND_IN = """
@@ -139,25 +144,112 @@ def test_what_took_too_long_is_run_again_with_more_time(tmp_path, checkout):
         assert runs(checkout) == ['long_fit'] * again
 
 
+def wait_for(case: str, checkout: Path) -> None:
+    """Wait until a case is being diagnosed."""
+    path, deadline = checkout / 'runs', time.monotonic() + 60.0
+    while not path.exists() or f'close_loop {case}_fit' not in path.read_text():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def interrupted(words: list[str], number: int, checkout: Path, case: str) -> str:
+    """Send a signal to a campaign as it diagnoses a case; return what it says in the end."""
+    process = subprocess.Popen([sys.executable, '-m', 'booster_ros', 'campaign', *words],
+                               cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                               text=True, start_new_session=True)
+    wait_for(case, checkout)
+    os.killpg(process.pid, number)  # as a terminal does: all that it started get it too
+    said = process.communicate(timeout=20.0)[1]
+    assert process.returncode == 130
+    return said
+
+
+def still_run(folder: Path) -> bytes:
+    """Return the processes that have this folder among their arguments."""
+    return subprocess.run(['pgrep', '-f', str(folder)], capture_output=True, check=False).stdout
+
+
 def test_interrupted_it_ends_what_it_started_and_goes_on_later(tmp_path, checkout):
     folder = written(tmp_path / 'set', a='chamber_leak', b='slow', clean='none')
     words = command(folder, checkout, '--jobs', '1')
-    process = subprocess.Popen([sys.executable, '-m', 'booster_ros', 'campaign', *words],
-                               cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                               text=True)
-    deadline = time.monotonic() + 60.0
-    while 'b_fit' not in ((checkout / 'runs').read_text() if (checkout / 'runs').exists() else ''):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    assert 'goes on from here' in process.communicate(timeout=20.0)[1]
-    assert process.returncode == 130
+    assert interrupted(words, signal.SIGINT, checkout, 'b') == (
+        'campaign: interrupted; the same command goes on from here\n')
+    assert not still_run(folder)
     assert [outcome.case for outcome in read_results(tmp_path / 'out')] == ['a']
     assert '1 of 3 cases' in (tmp_path / 'out' / 'table.md').read_text()
     runs(checkout)
     (folder / 'b_fit.csv').write_text('none\n')
     assert main(words) == 0
     assert runs(checkout) == ['b_fit', 'clean_fit']
+
+
+def said_of(out: Path) -> list[Outcome]:
+    """Return the outcomes of a campaign by case, without the time that each took."""
+    found = sorted(read_results(out), key=lambda outcome: outcome.case)
+    return [replace(outcome, seconds=0.0, cpu_seconds=0.0) for outcome in found]
+
+
+def test_a_worker_in_another_process_gives_the_same(tmp_path, checkout, monkeypatch):
+    """It has other variables, and is told to end what it runs; one that dies stops none."""
+    pytest.importorskip('distributed')
+    monkeypatch.setenv('OMP_NUM_THREADS', '2')
+    folder = written(tmp_path / 'set', a='chamber_leak', bad='refused', clean='none')
+    assert main(command(folder, checkout)) == 0
+    local = said_of(tmp_path / 'out')
+    assert [outcome.message for outcome in local] == [
+        '', 'close_loop: something is wrong with it', '']
+    with scheduler(tmp_path, 1, OMP_NUM_THREADS='7', OPENBLAS_CORETYPE='Haswell') as address:
+        there = command(folder, checkout, '--scheduler', address)
+        there[there.index('--out') + 1] = str(tmp_path / 'there')
+        assert main(there) == 0
+        assert said_of(tmp_path / 'there') == local
+        files, others = ({path.relative_to(out): path.read_bytes()
+                          for path in out.glob('reports/*/*/*')}
+                         for out in (tmp_path / 'out', tmp_path / 'there'))
+        assert files == others
+        assert len(files) == 6
+        (folder / 'bad_fit.csv').write_text('slow\n')
+        runs(checkout)
+        assert 'goes on from here' in interrupted(there, signal.SIGTERM, checkout, 'bad')
+        deadline = time.monotonic() + 10.0
+        while still_run(folder):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        assert [one.case for one in said_of(tmp_path / 'there')] == ['a', 'clean']
+
+
+def test_a_case_whose_worker_fails_has_no_answer(tmp_path, checkout, monkeypatch):
+    folder = written(tmp_path / 'set', clean='none', leak='chamber_leak')
+    diagnosed = running.run_case
+
+    def failing(case, *others):
+        if case.name == 'leak':
+            raise RuntimeError('lost\n it')
+        return diagnosed(case, *others)
+
+    monkeypatch.setattr(running, 'run_case', failing)
+    assert main(command(folder, checkout)) == 0
+    found = {one.case: (one.status, one.message) for one in read_results(tmp_path / 'out')}
+    assert found == {'clean': ('answered', ''), 'leak': ('failed', 'a worker failed: lost it')}
+    monkeypatch.undo()
+    runs(checkout)
+    assert main(command(folder, checkout)) == 0
+    assert runs(checkout) == ['leak_fit']
+
+
+def test_without_dask_it_is_said_what_to_install(tmp_path, checkout, monkeypatch, capsys):
+    folder = written(tmp_path / 'set', clean='none', leak='chamber_leak')
+    only = command(folder, checkout, '--case', 'clean')
+    assert main(only) == 0
+    before = (tmp_path / 'out' / 'cases.jsonl').read_text()
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    assert main(only) == 0  # it has been run
+    capsys.readouterr()
+    assert main(command(folder, checkout)) == 2
+    assert capsys.readouterr().err == (
+        'campaign: many runs need the Python package distributed, which is not installed: '
+        'pip install distributed\n')
+    assert (tmp_path / 'out' / 'cases.jsonl').read_text() == before
 
 
 @pytest.mark.parametrize(('words', 'why'), [

@@ -102,15 +102,12 @@ def test_what_remembers_comes_last_and_changes_are_what_forgets():
 def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
     experiment = prepare(record_of(swept_columns() if swept else timed_columns()), DECLARED)
     tried_labels = []
-    reach = best.linear_reach
 
     def noted(problem, reference, one, rows):
         tried_labels.append(one.label)
-        return reach(problem, reference, one, rows)
+        return np.inf, problem, np.empty(0)  # it reaches nowhere, so that none is fitted
 
     monkeypatch.setattr(best, 'linear_reach', noted)
-    monkeypatch.setattr(best, 'BEST', 0)
-    monkeypatch.setattr(best, 'BEGUN', 0)
     task = task_of(experiment)
     assert best.best_terms(task, as_given(task)) == []
     assert 'stem over valve_position' in tried_labels
@@ -153,21 +150,24 @@ def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, pa
     assert np.abs(added[settled]).max() > 200.0
 
 
+MINUTE = RAMPS_TIME[:3000]
+
+
 @pytest.mark.parametrize('current', [
-    RAMPS, 4.15e-4 + 0.35e-4 * np.sin(2.0 * np.pi * RAMPS_TIME / 10.0)], ids=['ramps', 'sine'])
+    RAMPS[:3000], 4.15e-4 + 0.35e-4 * np.sin(2.0 * np.pi * MINUTE / 10.0)], ids=['ramps', 'sine'])
 def test_on_a_ramp_the_way_to_go_is_that_of_the_slower_converter(current):
     """Of one that vents eleven times as slowly: it is further behind than the declared one."""
     falling = (*np.linspace(-250e3, -1e-3, 6), *np.linspace(1e-3, 250e3, 6))
     plant = P._replace(discrepancy=Discrepancy(
         EP_CONVERTER_LAG, BACK_PRESSURE_ERROR, falling, (float(np.log(11.0)),) * 6 + (0.0,) * 6))
-    experiment = seen(plant, None, 1.9e5, current, 3, RAMPS_TIME)
-    rows = np.ones(len(RAMPS_TIME), dtype=bool)
+    experiment = seen(plant, None, 1.9e5, current, 3, MINUTE)
+    rows = np.ones(len(MINUTE), dtype=bool)
     problem = Problem(experiment, rows, P, tuple(declared_freedom(P, experiment)))
     refit = fit(problem)
     one = next(t for t in terms(experiment.channels) if t.location == EP_CONVERTER_LAG)
     joint = with_term(problem, refit, one, rows)
-    run = simulate(plant, RAMPS_TIME, current, {'chamber_pressure': 1.9e5})
-    behind = followed(plant, RAMPS_TIME, run.columns)
+    run = simulate(plant, MINUTE, current, {'chamber_pressure': 1.9e5})
+    behind = followed(plant, MINUTE, run.columns)
     low, high = covered(joint.base.discrepancy)
     assert low < behind.min() < behind.max() < high
     found = fit(joint, [joint.start()], 20)
@@ -177,7 +177,7 @@ def test_on_a_ramp_the_way_to_go_is_that_of_the_slower_converter(current):
 
 def test_a_transmitter_that_has_reached_its_end_is_a_sensor_that_lacks_something(monkeypatch):
     """Beyond its end the pressure is not in the record, but its term has to go there."""
-    time, current = RAMPS_TIME[::2], RAMPS[::2]
+    time, current = RAMPS_TIME[:3000:2], RAMPS[:3000:2]
     experiment = seen(P, None, 1.7e5, current, 4, time)
     run = simulate(P, time, current, {'chamber_pressure': 1.7e5})
     experiment.measured['chamber_pressure'] = np.minimum(run['chamber_pressure'], 235e3) + (
@@ -190,7 +190,7 @@ def test_a_transmitter_that_has_reached_its_end_is_a_sensor_that_lacks_something
     (found,) = best.best_terms(task, root)
     assert found.effects == ('unknown: ' + label,)
     assert found.reduced_chi2 < 1.5 < 0.1 * root.reduced_chi2
-    assert covered(found.fit.parameters.discrepancy)[1] > 250e3
+    assert covered(found.fit.parameters.discrepancy)[1] > 245e3
 
 
 @pytest.mark.campaign

@@ -9,24 +9,36 @@ import subprocess
 import sys
 import time
 
+from dask_scheduler import PLAIN, scheduler
+import numpy as np
 import pandas as pd
 import pytest
-from ros_process import ROOT
 
-SAMPLES = ROOT / 'test' / 'samples'
-PLAIN = {**os.environ, 'PYTHONPATH': str(ROOT)}
+from booster_ros.model.simulation import simulate
+from booster_ros.model.system import PositionerParameters
+from booster_ros.parameters.file import write_parameter_file
+from booster_ros.records import CsvWriter
+
+
+CLOSED = PositionerParameters()
+CLOSED = CLOSED._replace(booster=CLOSED.booster._replace(opening_gain=0.0))
+"""A chamber that is shut off: a diagnosis takes a second or two."""
 
 
 def write_plant(folder):
     """Write a plant of a valve that lacks nothing, one that does, a torn record and none."""
-    for name, rows in (('none', 3000), ('chamber_leak', 3000)):
-        lines = (SAMPLES / f'sample_{name}_fit.csv').read_text().splitlines(keepends=True)
-        (folder / f'{name}.csv').write_text(''.join(lines[:rows + 1]))
-        (folder / f'{name}.yaml').write_text((SAMPLES / f'sample_{name}.yaml').read_text())
+    write_parameter_file(folder / 'closed.yaml', CLOSED)
+    clock = 0.1 * np.arange(300)
+    for name, area in (('none', 0.0), ('leak', 4e-8)):
+        plant = CLOSED._replace(actuator=CLOSED.actuator._replace(leak_area=area))
+        run = simulate(plant, clock, np.zeros(300), {'chamber_pressure': 140e3})
+        noise = 100.0 * np.random.default_rng(5).standard_normal(300)
+        with CsvWriter(folder / f'{name}.csv', ('time', 'chamber_pressure')) as writer:
+            writer.write_rows(np.column_stack([clock, run['chamber_pressure'] + noise]))
     (folder / 'torn.csv').write_text('time,control_current,chamber_pressure\n0,0.004,1e5\n1,x,1\n')
     (folder / 'plant.csv').write_text(
-        'valve,record,parameters\nFV-1,none.csv,none.yaml\nFV-2,torn.csv,none.yaml\n'
-        'FV-3,chamber_leak.csv,chamber_leak.yaml\nFV-4,gone.csv,none.yaml\n')
+        'valve,record,parameters\nFV-1,none.csv,closed.yaml\nFV-2,torn.csv,closed.yaml\n'
+        'FV-3,leak.csv,closed.yaml\nFV-4,gone.csv,closed.yaml\n')
     return folder / 'plant.csv'
 
 
@@ -82,29 +94,9 @@ def test_only_what_has_changed_is_diagnosed_again(plant):
 
 
 def test_a_scheduler_with_two_workers_gives_the_same_to_the_last_digit(plant, tmp_path):
-    """Neither knows the package beforehand: the scheduler needs it not at all."""
     manifest, out, _ = plant
-    bare = {name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}
-    address = tmp_path / 'scheduler.json'
-    started = []
-    try:
-        started.append(subprocess.Popen(
-            [sys.executable, '-m', 'distributed.cli.dask_scheduler', '--host', '127.0.0.1',
-             '--port', '0', '--no-dashboard', '--scheduler-file', str(address)], cwd=tmp_path,
-            env=bare, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
-        while not address.exists():
-            time.sleep(0.1)
-            assert started[0].poll() is None
-        started += [subprocess.Popen(
-            [sys.executable, '-m', 'distributed.cli.dask_worker', '--scheduler-file', str(address),
-             '--nthreads', '1', '--no-nanny', '--no-dashboard'], cwd=tmp_path, env=PLAIN,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for _ in range(2)]
-        found = re.search(r'"address": "(tcp://[^"]+)"', address.read_text())
-        fleet(manifest, tmp_path / 'out', '--scheduler', found[1])
-    finally:
-        for process in started[::-1]:
-            process.terminate()
-            process.wait(30)
+    with scheduler(tmp_path, 2) as address:
+        fleet(manifest, tmp_path / 'out', '--scheduler', address)
     for valve in ('FV-1', 'FV-3'):
         for name in ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml'):
             one, other = (folder / 'valves' / valve / name for folder in (out, tmp_path / 'out'))

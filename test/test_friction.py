@@ -12,7 +12,7 @@ import pytest
 from booster_ros.diagnosis.hypotheses.friction import friction_starts, signature_friction
 from booster_ros.model.catalogue import Knob
 
-TIME, CURRENT = RAMPS_TIME[:3000], RAMPS[:3000]
+TIME, CURRENT = RAMPS_TIME[:1800], RAMPS[:1800]
 
 
 def rubbing(sliding, stiction, effect='stem_friction', **others):

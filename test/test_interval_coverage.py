@@ -8,7 +8,7 @@ import re
 from hidden_plant import truth
 from hidden_plant.cases import play
 from hidden_plant.sensors import POSITION_NOISE, PRESSURE_NOISE
-from interval_coverage import __main__ as program
+from interval_coverage import __main__ as program, valves
 from interval_coverage.__main__ import main
 from interval_coverage.fits import (
     Held, declared_parameters, judged, known_intervals, levels)
@@ -22,6 +22,12 @@ from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.memory import Departure
 
 NOISE = {'chamber_pressure': PRESSURE_NOISE, 'valve_position': POSITION_NOISE}
+
+
+@pytest.fixture
+def short_records(monkeypatch):
+    """Let records be shorter than those of the study."""
+    monkeypatch.setattr(valves, 'SECONDS', 50.0)
 
 
 SLIPPING = ('stem_friction', 'stem_friction_stick_slip')
@@ -45,6 +51,7 @@ def test_the_model_with_what_was_put_in_moves_as_the_plant_does(effect):
     assert min(missed) < 1.25
 
 
+@pytest.mark.usefixtures('short_records')
 @pytest.mark.parametrize('effect', SLIPPING)
 def test_the_model_with_the_friction_put_in_slips_as_far_as_the_plant_does(effect):
     """When it slips hangs on last digits, so errors row by row say nothing."""
@@ -80,6 +87,7 @@ def test_what_is_drawn_is_drawn_anew_and_again():
     assert np.std(left) < 0.8 * POSITION_NOISE
 
 
+@pytest.mark.usefixtures('short_records')
 def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
     drawn = Drawn('chamber_leak', 0.0, 4)
     known = known_intervals(drawn)
@@ -96,6 +104,7 @@ def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
     assert all(again[name].held == one.held for name, one in found.items() if name in again)
 
 
+@pytest.mark.usefixtures('short_records')
 def test_a_level_is_relative_to_what_the_noise_is():
     assert levels(Drawn('', 0.0, 1, 'stairs')) == pytest.approx((1.0, 1.0), abs=0.1)
     assert levels(Drawn('', 0.9, 1, 'sines')) == pytest.approx((1.0, 1.0), abs=0.3)

@@ -36,10 +36,11 @@ MAY_IMPORT = {
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'faults', 'parameters', 'control', 'twin'},
     'testing': {'model', 'parameters', 'nodes', 'programs'},
-    'campaign': set(),  # judges the diagnosis as a program, of whatever state
-    'fleet': {'model', 'report', 'campaign'},
+    'running': set(),  # knows programs by name only
+    'campaign': {'running'},  # judges the diagnosis as a program, of whatever state
+    'fleet': {'model', 'report', 'running'},
     'programs': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper', 'campaign',
-                 'fleet', 'metrics', 'twin', 'writing'},
+                 'fleet', 'running', 'metrics', 'twin', 'writing'},
     'benchmark': {'model', 'records', 'control', 'faults', 'programs', 'testing', 'twin'},
 }
 """For each folder the others that it may import, with all that lies in them."""

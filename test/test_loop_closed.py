@@ -47,8 +47,8 @@ def test_a_node_started_from_the_result_does_what_the_valve_does(tmp_path):
     with_sensor_noise(seen, tmp_path / 'valve.csv')
 
     assert close_loop.main(['--record', str(tmp_path / 'valve.csv'), '--params', str(DECLARED),
-                            '--only', 'tubing_restriction', 'supply_droop', 'chamber_leak',
-                            'booster_dead_band', '--out', str(tmp_path / 'out')]) == 0
+                            '--only', 'tubing_restriction', 'supply_droop',
+                            '--out', str(tmp_path / 'out')]) == 0
     report = json.loads((tmp_path / 'out' / 'report.json').read_text())
     assert [effect['name'] for effect in report['effects']] == ['tubing_restriction']
 

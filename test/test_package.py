@@ -12,6 +12,7 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
+from conftest import LONG
 import pytest
 from ros_process import ROOT, RosProcess
 from std_msgs.msg import Float64
@@ -119,6 +120,10 @@ def test_versions_agree():
     headings = re.findall(r'^(\S.*)\n-+$', (ROOT / 'CHANGELOG.rst').read_text(), re.MULTILINE)
     assert headings
     assert headings[0] == 'Forthcoming' or headings[0].startswith(f'{version} (')
+
+
+def test_files_of_tests_that_come_first_are_there():
+    assert [name for name in LONG if not (ROOT / 'test' / f'{name}.py').is_file()] == []
 
 
 def test_requirements_pin_everything():

@@ -74,21 +74,35 @@ def test_a_run_that_was_lost_on_the_way_is_no_small_error():
     assert not any(np.isfinite(error.after) for error in lost.values())
 
 
+@pytest.fixture(scope='module')
+def waved():
+    """Return the task of a spring that waves, its declared model, and the one with a term."""
+    task = replace(task_of(waving()), places=frozenset({'stem'}))
+    root = refitted(task)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(best, 'BEST', 1)
+        (term,) = best.best_terms(task, root)
+    return task, root, term
+
+
+def seen_anew(experiment, model):
+    """Return a model as it would be, had it been fitted to the training rows of this experiment."""
+    return replace(model, problem=replace(model.problem, experiment=experiment))
+
+
 @pytest.mark.parametrize('stays', [True, False])
-def test_a_term_that_the_test_set_speaks_against_is_not_in_the_model(stays, monkeypatch):
+def test_a_term_that_the_test_set_speaks_against_is_not_in_the_model(stays, waved):
     """It was there as long as was looked, and the other way round when that part came."""
-    experiment = waving()
+    task, root, term = waved
     if not stays:
         other = waving(-1.0).measured
-        experiment = replace(experiment, measured={
-            name: np.where(rows_tested(experiment), other[name], values)
-            for name, values in experiment.measured.items()})
-    task = replace(task_of(experiment), places=frozenset({'stem'}))
-    root = refitted(task)
-    monkeypatch.setattr(best, 'BEST', 1)
-    (term,) = best.best_terms(task, root)
+        experiment = replace(task.experiment, measured={
+            name: np.where(rows_tested(task.experiment), other[name], values)
+            for name, values in task.experiment.measured.items()})
+        task = replace(task, experiment=experiment)
+        root, term = seen_anew(experiment, root), seen_anew(experiment, term)
     selection = Selection(root, term, root, (root, term), ())
-    block = training_blocks(task.segments, len(experiment.time))
+    block = training_blocks(task.segments, len(task.experiment.time))
     before = final_fit(root.problem, root.fit.z, block)
     chosen, after, runs, refused = pipeline._tested(task, selection, before, block)
     found = pipeline._diagnosis(task, selection, chosen, before, after, runs, refused, ())

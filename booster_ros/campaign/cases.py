@@ -12,6 +12,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ..running.run_error import RunError
+
 NOISE: Mapping[str, float] = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
 """Noise of the channels (RMS, Pa and m) where the key of a set does not state its own."""
 
@@ -19,8 +21,8 @@ QUICK = 60
 """How many cases a quick campaign has at the most."""
 
 
-class CampaignError(Exception):
-    """A campaign cannot go on; the message is one sentence for the user."""
+class CampaignError(RunError):
+    """A campaign makes no sense; the message is one sentence for the user."""
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 import json
 from pathlib import Path
 import shutil
@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from .cases import NOISE, Case
-from .program import Program
+from ..running.on_dask import run_orders
+from ..running.program import Program
+from .cases import NOISE, Case, Truth
 from .scoring import ANSWERED, FAILED, TIMEOUT, Outcome, answer_of
 
 KEPT = ('report.json', 'positioner.yaml', 'positioner_before.yaml')
@@ -24,39 +25,36 @@ KEPT = ('report.json', 'positioner.yaml', 'positioner_before.yaml')
 SIMULATION_SECONDS = 300.0
 """How long one simulation of the second record may take."""
 
-GLANCE = 0.5
-"""Time from one look for an interruption to the next, s."""
-
 
 def run_cases(
-    cases: Sequence[Case], run: Callable[[Case, threading.Event], Outcome | None], jobs: int,
+    cases: Sequence[Case], program: Program, out: Path, timeout: float, scheduler: str, jobs: int,
     tell: Callable[[Outcome], None], check: Callable[[], None],
 ) -> None:
     """
-    Run cases, `jobs` at a time; `tell` hears of each, in this thread, when it has ended.
+    Run cases as `run_orders` says; one whose worker failed has an outcome as well.
 
-    `check` may raise KeyboardInterrupt; then running ones are ended at once and nothing is told of
-    them.
+    `out` is the folder of the campaign; what takes more than `timeout` seconds has no answer.
     """
-    stop = threading.Event()
-    with ThreadPoolExecutor(jobs) as pool:
-        try:
-            waiting: set[Future[Outcome | None]] = {
-                pool.submit(run, case, stop) for case in cases}
-            while waiting:
-                ended, waiting = wait(waiting, GLANCE, FIRST_COMPLETED)
-                for future in ended:
-                    outcome = future.result()
-                    if outcome is not None:
-                        tell(outcome)
-                check()
-        except BaseException:
-            stop.set()
-            pool.shutdown(cancel_futures=True)
-            raise
+    by_name = {f'{case.set}/{case.name}': case for case in cases}
+
+    def fail(name: str, why: str) -> None:
+        case = by_name[name]
+        tell(Outcome(case.set, case.name, case.digest(), program.state(), FAILED, why, 0.0, 0.0,
+                     case.truth))
+
+    run_orders('booster_ros.campaign.running:judged',
+               {name: {'case': asdict(case), 'program': asdict(program), 'out': out,
+                       'timeout': timeout} for name, case in by_name.items()},
+               scheduler, jobs, tell, fail, check)
 
 
-def run_case(case: Case, stop: threading.Event, *, program: Program, out: Path, timeout: float
+def judged(values: Mapping[str, Any], stop: threading.Event) -> Outcome | None:
+    """Run the case of an order of `run_cases`."""
+    case = Case(**{**values['case'], 'truth': Truth(**values['case']['truth'])})
+    return run_case(case, stop, Program(**values['program']), values['out'], values['timeout'])
+
+
+def run_case(case: Case, stop: threading.Event, program: Program, out: Path, timeout: float
              ) -> Outcome | None:
     """
     Run `close_loop` on a case and the models that it writes over the second record.

@@ -10,6 +10,8 @@ import hashlib
 from pathlib import Path
 import re
 
+from ..running.run_error import RunError
+
 PATHS = ('record', 'parameters', 'mapping', 'validation', 'validation_mapping')
 """Columns that hold paths, beside `valve`, its name."""
 
@@ -18,8 +20,8 @@ _NAME = re.compile(r'\w[\w .+@=-]*')
 _LARGEST = 64 << 20
 
 
-class FleetError(ValueError):
-    """A fleet cannot be run; the message is one sentence."""
+class FleetError(RunError):
+    """A fleet makes no sense; the message is one sentence."""
 
 
 @dataclass(frozen=True)

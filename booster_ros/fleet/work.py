@@ -13,7 +13,7 @@ import sys
 import threading
 from typing import Any
 
-from ..campaign.program import MODULE, Program
+from ..running.program import MODULE, PATH, Program
 from ..surroundings import environment_with_package
 from .manifest import Valve
 from .outcome import ANSWERED, FAILED, REFUSED, TIMEOUT, Outcome, answer_of
@@ -22,12 +22,15 @@ REPORTS = 'valves'
 """Folder in that of the fleet with a folder for each valve."""
 
 _REFUSED = 2
-_stops: dict[str, threading.Event] = {}
 
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be done of a valve, told to whoever does it; paths hold on all machines."""
+    """
+    What is to be done of a valve, told to whoever does it; paths hold on all machines.
+
+    `settings` are the variables by which libraries choose kernels and threads.
+    """
 
     valve: Valve
     folder: Path
@@ -36,24 +39,24 @@ class Order:
     timeout: float
     inputs: str
     state: str
-    run: str
+    settings: Mapping[str, str]
 
 
-def diagnosed(values: Mapping[str, Any]) -> Outcome | None:
+def diagnosed(values: Mapping[str, Any], stop: threading.Event) -> Outcome | None:
     """
-    Run `close_loop` on a valve and return what came of it, None where `stop_run` ended it.
+    Run `close_loop` on a valve and return what came of it, None where `stop` ended it.
 
     `values` are those of an `Order`. It runs in the folder of the manifest, in a process that gives
     back all memory when it ends.
     """
     order = Order(**{**values, 'valve': Valve(**values['valve'])})
-    stop = _stops.setdefault(order.run, threading.Event())
     kept = order.out / REPORTS / order.valve.name
     shutil.rmtree(kept, ignore_errors=True)
-    program = Program((sys.executable, '-m', MODULE), order.folder, Path(), '')
+    variables = {**order.settings, PATH: environment_with_package()[PATH]}
+    program = Program((sys.executable, '-m', MODULE), order.folder, Path(), '', variables)
     ended = program.run(
         'close_loop', [*order.valve.words(), *order.options, '--out', str(kept)], order.timeout,
-        stop, environment_with_package())
+        stop)
     if stop.is_set():
         return None
 
@@ -72,8 +75,3 @@ def diagnosed(values: Mapping[str, Any]) -> Outcome | None:
         return outcome(ANSWERED, **answer_of(report))
     except (OSError, ValueError, KeyError, TypeError) as error:
         return outcome(FAILED, f'report.json cannot be read: {error!r}')
-
-
-def stop_run(run: str) -> None:
-    """End the diagnoses of a run that this process has started."""
-    _stops.setdefault(run, threading.Event()).set()

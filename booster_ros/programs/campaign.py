@@ -6,20 +6,19 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from functools import partial
-import os
 from pathlib import Path
 import sys
-import time
 
 from ..campaign.cases import CampaignError, Case, chosen, read_sets
 from ..campaign.comparing import comparison
 from ..campaign.page import html_page, markdown_text
-from ..campaign.program import Program, program_of, settings
 from ..campaign.results import add_result, by_case, read_results, write_results, write_whole
-from ..campaign.running import is_done, run_case, run_cases
+from ..campaign.running import is_done, run_cases
 from ..campaign.scoring import Outcome
 from ..campaign.table import SET_HEAD, line_of, markdown, set_rows
+from ..running.program import Program, program_of, settings
+from ..running.progress import Progress
+from ..running.run_error import RunError
 from .interruption import kept_interruption
 from .number_arguments import count_of, seconds
 from .path_argument import given_path
@@ -33,7 +32,7 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         with kept_interruption() as check:
             options.run(options, check)
-    except CampaignError as error:
+    except RunError as error:
         print(f'campaign: {error}', file=sys.stderr)
         return 2
     except OSError as error:
@@ -63,10 +62,10 @@ def _run(options: argparse.Namespace, check: Callable[[], None]) -> None:
     left = [case for case in cases if case.key not in kept]
     if kept:
         print(f'{len(kept)} of {len(cases)} cases have been run before', flush=True)
-    tell = _Teller(out, outcomes, len(left), options.jobs)
+    tell = _Teller(out, outcomes, len(left))
     try:
-        run_cases(left, partial(run_case, program=program, out=out, timeout=options.timeout),
-                  options.jobs, tell, check)
+        run_cases(left, program, out, options.timeout, options.scheduler, options.jobs, tell,
+                  check)
     finally:
         _write(out, cases, program, outcomes)
     print(markdown(SET_HEAD, set_rows(_in_order(cases, outcomes))))
@@ -76,21 +75,15 @@ def _run(options: argparse.Namespace, check: Callable[[], None]) -> None:
 class _Teller:
     """Keeps each outcome and says it, with the time to go."""
 
-    def __init__(self, out: Path, outcomes: list[Outcome], count: int, jobs: int):
-        self._out, self._outcomes, self._count = out, outcomes, count
-        self._done = 0
-        self._jobs = jobs
-        self._started = time.monotonic()
+    def __init__(self, out: Path, outcomes: list[Outcome], count: int):
+        self._out, self._outcomes = out, outcomes
+        self._progress = Progress(count)
 
     def __call__(self, outcome: Outcome) -> None:
         """Keep an outcome and print it."""
         add_result(self._out, outcome)
         self._outcomes.append(outcome)
-        self._done += 1
-        each = (time.monotonic() - self._started) / self._done
-        minutes = each * (self._count - self._done) / 60.0
-        print(f'{self._done}/{self._count} {line_of(outcome)}; {minutes:.0f} min to go',
-              flush=True)
+        print(self._progress.one_more(line_of(outcome)), flush=True)
 
 
 def _write(out: Path, cases: Sequence[Case], program: Program, outcomes: Sequence[Outcome]) -> None:
@@ -103,7 +96,7 @@ def _write(out: Path, cases: Sequence[Case], program: Program, outcomes: Sequenc
         'last commit': program.described() or 'not in a repository',
         'state': ', '.join(sorted({outcome.state for outcome in found})),
         'libraries': program.libraries,
-        'settings': ', '.join(f'{n}={v}' for n, v in settings(os.environ).items()),
+        'settings': ', '.join(f'{n}={v}' for n, v in settings(program.variables).items()),
     }
     write_whole(out / 'table.md', markdown_text(found, len(cases), about))
     write_whole(out / 'page.html', html_page(found, len(cases), about))
@@ -143,7 +136,10 @@ def _parser() -> argparse.ArgumentParser:
     add('sets', nargs='+', type=given_path, metavar='SET',
         help='folder with CASE.yaml, CASE_fit.csv, CASE_val.csv and key.json')
     add('--out', type=given_path, required=True, metavar='DIR', help='folder of the campaign')
-    add('--jobs', type=count_of('runs'), default=2, metavar='N', help='runs at a time (default: 2)')
+    add('--scheduler', default='', metavar='tcp://HOST:8786',
+        help='a Dask scheduler that runs already (default: this machine)')
+    add('--jobs', type=count_of('runs'), default=2, metavar='N',
+        help='runs at a time on this machine, where no scheduler is given (default: 2)')
     add('--quick', action='store_true', help='60 cases at the most, spread evenly over all')
     add('--case', nargs='+', default=[], metavar='PATTERN',
         help="only cases of such names, e.g. '*friction*'")

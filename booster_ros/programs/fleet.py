@@ -9,14 +9,15 @@ from collections.abc import Callable, Sequence
 import os
 from pathlib import Path
 import sys
-import time
-import uuid
 
-from ..campaign.program import program_of
 from ..campaign.results import write_whole
-from ..fleet.manifest import FleetError, Valve, read_manifest
+from ..fleet.manifest import Valve, read_manifest
 from ..fleet.outcome import ANSWERED, NAME, REFUSED, Outcome, line_of, read_outcomes
+from ..fleet.running import run_fleet
 from ..fleet.work import REPORTS, Order
+from ..running.program import program_of, settings
+from ..running.progress import Progress
+from ..running.run_error import RunError
 from .interruption import kept_interruption
 from .number_arguments import count_of, seconds
 from .path_argument import given_path
@@ -31,7 +32,7 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         with kept_interruption() as check:
             _run(options, check)
-    except FleetError as error:
+    except RunError as error:
         print(f'fleet: {error}', file=sys.stderr)
         return 2
     except OSError as error:
@@ -44,8 +45,6 @@ def main(args: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace, check: Callable[[], None]) -> None:
-    from ..fleet.running import run_orders
-
     valves = read_manifest(options.manifest)
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
@@ -59,7 +58,7 @@ def _run(options: argparse.Namespace, check: Callable[[], None]) -> None:
     left = [order for order in orders if order.valve.name not in done]
     tell = _Teller(out, done, len(left))
     try:
-        run_orders(left, options.scheduler, options.jobs, tell, check)
+        run_fleet(left, options.scheduler, options.jobs, tell, check)
     finally:
         _write(out, [done[one.name] for one in valves if one.name in done], options.fdr,
                len(valves))
@@ -69,10 +68,10 @@ def _orders(options: argparse.Namespace, valves: Sequence[Valve], out: Path) -> 
     folder = options.manifest.resolve().parent
     more = tuple(word for name in ('only', 'without') if getattr(options, name)
                  for word in (f'--{name}', *getattr(options, name)))
-    state = program_of('', None).state()
-    run = uuid.uuid4().hex[:12]
-    return [Order(valve, folder, out, more, options.timeout, valve.digest(folder, more), state, run)
-            for valve in valves]
+    program = program_of('', None)
+    state, chosen = program.state(), settings(program.variables)
+    return [Order(valve, folder, out, more, options.timeout, valve.digest(folder, more), state,
+                  chosen) for valve in valves]
 
 
 def _is_done(outcome: Outcome | None, order: Order) -> bool:
@@ -87,21 +86,16 @@ class _Teller:
     """Keeps each outcome and says it, with the time to go."""
 
     def __init__(self, out: Path, done: dict[str, Outcome], count: int):
-        self._out, self._done, self._count = out, done, count
-        self._ended = 0
-        self._started = time.monotonic()
+        self._out, self._done = out, done
+        self._progress = Progress(count)
 
     def __call__(self, outcome: Outcome) -> None:
         """Keep an outcome and print it."""
         with (self._out / NAME).open('a', encoding='utf-8') as file:
             file.write(line_of(outcome))
         self._done[outcome.valve] = outcome
-        self._ended += 1
-        each = (time.monotonic() - self._started) / self._ended
-        minutes = each * (self._count - self._ended) / 60.0
         what = ', '.join(outcome.effects) or outcome.message or outcome.kind
-        print(f'{self._ended}/{self._count} {outcome.valve}: {what}; {minutes:.0f} min to go',
-              flush=True)
+        print(self._progress.one_more(f'{outcome.valve}: {what}'), flush=True)
 
 
 def _write(out: Path, outcomes: Sequence[Outcome], rate: float, planned: int) -> None:
@@ -129,9 +123,10 @@ def _parser() -> argparse.ArgumentParser:
     add('--out', type=given_path, required=True, metavar='DIR',
         help='folder for fleet.html, fleet.csv, fleet.parquet and a report for each valve')
     add('--scheduler', default='', metavar='tcp://HOST:8786',
-        help='a Dask scheduler that runs already (default: processes of this machine)')
-    add('--jobs', type=count_of('processes'), default=os.cpu_count() or 1, metavar='N',
-        help='processes of this machine, where no scheduler is given (default: its cores)')
+        help='a Dask scheduler that runs already (default: this machine)')
+    add('--jobs', type=count_of('diagnoses'), default=os.cpu_count() or 1, metavar='N',
+        help='diagnoses at a time on this machine, where no scheduler is given (default: its '
+        'cores)')
     add('--fdr', type=_share, default=RATE, metavar='Q',
         help='false-discovery rate over all valves (default: %(default)g)')
     add('--timeout', type=seconds, default=TIMEOUT, metavar='S',

@@ -20,16 +20,19 @@ import threading
 import time
 from typing import NamedTuple
 
-from .cases import CampaignError
+from .run_error import RunError
 
 MODULE = 'booster_ros'
 
-APART = ('campaign', 'fleet', 'programs/campaign.py', 'programs/fleet.py', 'nodes', 'benchmark',
-         'measured', 'paper')
+APART = ('campaign', 'fleet', 'running', 'programs/campaign.py', 'programs/fleet.py', 'nodes',
+         'benchmark', 'measured', 'paper')
 """Parts of the package that no diagnosis comes through: a change there changes no answer."""
 
 SETTINGS = ('OPENBLAS_', 'OMP_', 'MKL_', 'NUMBA_')
 """How the names of variables begin by which libraries choose kernels and threads."""
+
+PATH = 'PYTHONPATH'
+"""Another variable that an answer may hang on: where Python finds a package."""
 
 GLANCE = 0.2
 """Time from one look for an end to the next, s."""
@@ -62,26 +65,30 @@ class Ended(NamedTuple):
 
 @dataclass(frozen=True)
 class Program:
-    """`python -m booster_ros` of some checkout: its words, and the folder in which it runs."""
+    """
+    `python -m booster_ros` of some checkout: its words, and the folder in which it runs.
+
+    `variables` are those an answer may hang on, as they are where the program was asked for: its
+    runs get these and no others, wherever they run.
+    """
 
     words: tuple[str, ...]
     folder: Path
     package: Path
     libraries: str
+    variables: Mapping[str, str]
 
-    def run(self, name: str, words: Sequence[str | Path], timeout: float, stop: threading.Event,
-            environment: Mapping[str, str] | None = None) -> Ended:
-        """
-        Run one of its programs to the end, for `timeout` seconds, or until `stop` is set.
-
-        `environment` are its variables, those of this process if not given.
-        """
+    def run(self, name: str, words: Sequence[str | Path], timeout: float, stop: threading.Event
+            ) -> Ended:
+        """Run one of its programs to the end, for `timeout` seconds, or until `stop` is set."""
+        others = {name: value for name, value in os.environ.items()
+                  if name not in deciding(os.environ)}
         started = time.monotonic()
         with tempfile.TemporaryFile() as sink:
             process = subprocess.Popen(
-                [*self.words, name, *map(str, words)], cwd=self.folder, env=environment,
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                stderr=sink, start_new_session=True)
+                [*self.words, name, *map(str, words)], cwd=self.folder,
+                env={**others, **self.variables}, stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL, stderr=sink, start_new_session=True)
             stopped = False
             while (ended := _reaped(process, 0 if stopped else os.WNOHANG)) is None:
                 stopped = stop.wait(GLANCE) or time.monotonic() - started > timeout
@@ -95,7 +102,7 @@ class Program:
 
     def state(self) -> str:
         """Return what identifies the sources, libraries and settings that make an answer."""
-        found = hashlib.sha256(json.dumps([self.libraries, settings(os.environ)]).encode())
+        found = hashlib.sha256(json.dumps([self.libraries, settings(self.variables)]).encode())
         for path in sorted(self.package.rglob('*')):
             name = path.relative_to(self.package).as_posix()
             if path.suffix in ('.py', '.html', '.csv') and not any(
@@ -122,30 +129,37 @@ def program_of(text: str, folder: Path | None) -> Program:
     """
     Return the program that a command line starts, empty for the python that runs this.
 
-    CampaignError where it does not start, or is not of the form `PYTHON -m booster_ros`.
+    RunError where it does not start, or is not of the form `PYTHON -m booster_ros`.
     """
     words = tuple(shlex.split(text)) or (sys.executable, '-m', MODULE)
     where = (folder or Path()).resolve()
     if words[-2:] != ('-m', MODULE) or len(words) < 3:
-        raise CampaignError(f'--program: {text!r} is not of the form PYTHON -m {MODULE}')
+        raise RunError(f'--program: {text!r} is not of the form PYTHON -m {MODULE}')
     if not where.is_dir():
-        raise CampaignError(f'--cwd: there is no folder {folder}')
+        raise RunError(f'--cwd: there is no folder {folder}')
     try:
         done = subprocess.run([*words[:-2], '-c', _PROBE], cwd=where, capture_output=True,
                               text=True, check=False)
     except OSError as error:
-        raise CampaignError(f'--program: {words[0]}: {error.strerror}') from None
+        raise RunError(f'--program: {words[0]}: {error.strerror}') from None
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [''])[-1]
-        raise CampaignError(f'--program: {text or words[0]} does not start in {where}: {last}')
+        raise RunError(f'--program: {text or words[0]} does not start in {where}: {last}')
     package, python, libraries = json.loads(done.stdout)
-    return Program(words, where, where / package, json.dumps([python, libraries], sort_keys=True))
+    return Program(words, where, where / package, json.dumps([python, libraries], sort_keys=True),
+                   deciding(os.environ))
 
 
 def settings(environment: Mapping[str, str]) -> dict[str, str]:
     """Return the variables by which libraries choose kernels and threads."""
     return {name: environment[name] for name in sorted(environment)
             if name.startswith(SETTINGS)}
+
+
+def deciding(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return the variables that an answer may hang on: the settings and Python's path."""
+    path = {PATH: environment[PATH]} if PATH in environment else {}
+    return {**settings(environment), **path}
 
 
 def _has_git() -> bool:

@@ -1,0 +1,3 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""Programs of the package run as processes, many of them on Dask."""
