@@ -34,7 +34,8 @@ def test_two_records_are_played_one_after_the_other_on_the_clock_of_the_bag(tmp_
 
 def came(fault, effects, adoption='', **others):
     given = {
-        'seed': 0, 'fault': fault, 'strength': 1.0, 'early': False, 'delay': 5.0, 'kind': 'found',
+        'seed': 0, 'fault': fault, 'strength': 1.0, 'early': False, 'delay': 5.0,
+        'noticed': 4.0, 'kind': 'found',
         'effects': effects, 'places': ['stem'], 'group': [*effects, 'bench_set_shift'],
         'standing': 'confirmed', 'adoption': adoption, 'before': 40.0, 'after': None, **others}
     return Came(**given)
@@ -48,10 +49,13 @@ def test_the_table_tells_right_from_wrong():
         came('bench_set_shift', ['spring_rate_change'], 'adopted: it is better', after=1.0),
         came('bench_set_shift', ['spring_rate_change'], 'rolled back: it is worse', delay=None),
         came('stem_friction', ['chamber_leak'], early=True),
-        came(NONE, [], kind='nothing', delay=None)])
+        came(NONE, [], kind='nothing', delay=None, noticed=None)])
     rows = {line.split('|')[1].strip(): [cell.strip() for cell in line.split('|')[2:-1]]
             for line in told.splitlines() if line.startswith('|')}
-    assert rows['stem friction'] == ['2', '2, 5 s', '2', '2', '2', '1', '1', '0', '40.0 → 3.00']
-    assert rows['bench set shift'] == ['2', '1, 5 s', '2', '0', '2', '0', '0', '1', '40.0 → 1.00']
-    assert rows['no change'] == ['1', '0 alarms', '1 found nothing', '', '', '', '', '0', '']
-    assert 'Alarms before the change: 1 of 6 runs.' in told
+    assert rows['stem friction'] == [
+        '2', '2', '2, 4 s', '2', '2', '2', '1', '1', '0', '40.0 → 3.00']
+    assert rows['bench set shift'] == [
+        '2', '1', '2, 4 s', '2', '0', '2', '0', '0', '1', '40.0 → 1.00']
+    assert rows['no change'] == [
+        '1', '0', '0', '1 found nothing', '', '', '', '', '0', '']
+    assert 'Called unwell before the change: 1 of 6 runs.' in told

@@ -52,9 +52,11 @@ class Came(NamedTuple):
     fault: str
     strength: float
     early: bool
-    """Whether there was an alarm before the change."""
+    """Whether the valve was said not to be well before the change."""
     delay: float | None
     """From the change to the alarm, s; None where none came."""
+    noticed: float | None
+    """From the change to a health that is not good, with an alarm or without, s."""
     kind: str
     effects: list[str]
     places: list[str]
@@ -87,6 +89,8 @@ class Bystander(Node):
         """When alarms came, s of the valve."""
         self.verdict: DiagnosticStatus | None = None
         self._state = ''
+        self.unwell = math.nan
+        """When the valve was first said not to be well, s."""
         self._left: list[tuple[float, str, float]] = []
         self.create_subscription(String, 'twin/alarm', self._on_alarm, LATCHED)
         self.create_subscription(DiagnosticStatus, 'twin/verdict', self._on_verdict, LATCHED)
@@ -111,6 +115,9 @@ class Bystander(Node):
         for status in message.status:
             if status.name == 'twin: diagnosis':
                 self._state = status.message
+            elif status.name == 'twin: valve' and math.isnan(self.unwell) and (
+                    status.level != DiagnosticStatus.OK):
+                self.unwell = self.now
 
     @property
     def now(self) -> float:
@@ -197,7 +204,7 @@ def changed(
     with Valve(drawn.parameters) as valve:
         beside = drawn.beside(valve, memory=str(own), reports=str(folder / 'reports'))
         beside.move(BEFORE)
-        early, at = bool(beside.alarms), beside.now
+        early, at = beside.unwell < beside.now, beside.now
         if fault != NONE:
             valve.inject(fault, strength=strength)
         while beside.verdict is None and (beside.now < at + PATIENCE or beside.alarms):
@@ -213,7 +220,8 @@ def changed(
             beside.move(JUDGED)
             after = beside.error(tried, beside.now)
         return Came(
-            seed, fault, strength, early, _delay(beside.alarms, at), beside.told['kind'],
+            seed, fault, strength, early, _delay(beside.alarms, at),
+            _delay([beside.unwell], at), beside.told['kind'],
             beside.told['effects'].split(), *_found(beside.told['report']),
             beside.told['standing'], beside.told['adoption'], before, after)
 
