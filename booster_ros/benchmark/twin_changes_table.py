@@ -8,9 +8,11 @@ import numpy as np
 
 from .twin_change import NONE, Came
 
-HEAD = ('| change | runs | alarm | alarm or out of specification, median delay | place | name | name or a declared rival | '
-        'adopted rightly | with another effect | adopted wrongly | error before → after, noise |\n'
-        '|---|---|---|---|---|---|---|---|---|---|---|')
+COLUMNS = (
+    'change', 'runs', 'alarm', 'alarm or out of specification, median delay', 'place', 'name',
+    'name or a declared rival', 'adopted rightly', 'with another effect', 'adopted wrongly',
+    'error before → after, noise')
+HEAD = f'| {" | ".join(COLUMNS)} |\n|' + len(COLUMNS) * '---|'
 
 RIGHT, MORE, WRONG = 'rightly', 'with another effect', 'wrongly'
 
@@ -35,7 +37,8 @@ def table(all_came: Sequence[Came]) -> str:
     if sound:
         rows.append(
             f'| no change | {len(sound)} | {sum(one.delay is not None for one in sound)} | '
-            f'{sum(one.noticed is not None for one in sound)} | {sum(one.kind == "nothing" for one in sound)} found nothing | | | | | '
+            f'{sum(one.noticed is not None for one in sound)} | '
+            f'{sum(one.kind == "nothing" for one in sound)} found nothing | | | | | '
             f'{sum(adopted(one) == WRONG for one in sound)} | |')
     early = len(all_came) - len(counted)
     last = f'Called unwell before the change: {early} of {len(all_came)} runs.'
@@ -48,7 +51,8 @@ def _row(name: str, runs: Sequence[Came]) -> str:
     kept = [one for one in runs if one.after is not None]
     errors = '' if not kept else (f'{np.median([one.before for one in kept]):.1f} → '
                                   f'{np.median([one.after for one in kept]):.2f}')
-    return (f'| {name} | {len(runs)} | {sum(one.delay is not None for one in runs)} | {len(delays)}'
+    alarms = sum(one.delay is not None for one in runs)
+    return (f'| {name} | {len(runs)} | {alarms} | {len(delays)}'
             + (f', {np.median(delays):.0f} s' if delays else '')
             + f' | {sum(one.place in one.places for one in runs)} '
             f'| {sum(one.fault in one.effects for one in runs)} '
