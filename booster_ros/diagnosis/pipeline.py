@@ -21,22 +21,19 @@ from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
 from booster_ros.diagnosis.estimation.uncertainty import AT_BOUND, at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
-from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, label_of, place_of
+from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, beyond, place_of
 from booster_ros.diagnosis.hypotheses.knots import with_gentle_ends
-from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, UnknownTerm,
-    either, errors_of)
+    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, UnknownTerm, errors_of)
 from booster_ros.diagnosis.selection.decide import LARGE, TIE, Comparison, compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.stepwise import (
     Progress, Selection, comparison, explained, select)
 from booster_ros.diagnosis.selection.task import PLACES, Model, Task, near_best
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.model.discrepancy import NONE
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -142,20 +139,17 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
     elif refused is not None:  # what the term was made for is there all the same
         verdict, effects = 'unknown', (_nameless(
             refused.location, selection, suspect, held_out),)
-    refitted = _refitted(task, before, after)
     # where the record is not met, what is missing would pass for left open
     told = all(one.met for one in errors.values() if np.isfinite(one.after))
     models = models_alike(after) if told else None
     return Diagnosis(
         verdict, effects, unknown, errors,
         with_left_open(held_out, experiment, runs['after'], models, test),
-        _suspects(selection, chosen), refitted, task.declared, before.fit.parameters,
-        after.fit.parameters, experiment, tuple(task.segments), runs,
-        (*notes, *_cornered(refitted), *filter(None, map(either, effects)),
-         *_replaced(task.declared, after.fit.parameters),
-         *chance(experiment, after.fit.parameters, after.fit.initial, 'this record')),
+        _suspects(selection, chosen), _refitted(task, before, after), task.declared,
+        before.fit.parameters, after.fit.parameters, experiment, tuple(task.segments), runs, notes,
         refused=refused, start=after.fit.initial, decided=decided, alike=models,
-        trace=selection.trace)
+        trace=selection.trace,
+        chance=chance(experiment, after.fit.parameters, after.fit.initial))
 
 
 def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:
@@ -229,23 +223,6 @@ def _nameless(place: str, selection: Selection, term: Model, held_out: dict[str,
         _evidence(term, selection.root, compare(
             term.score, selection.root.score, term.score.dispersion)),
         standing(share, term.reduced_chi2, False, stands(held_out)), share)
-
-
-def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
-    """Return a sentence for each declared parameter that ended at a limit of the refit."""
-    return tuple(
-        f'{one.name} went from {one.given:.4g} to {one.after:.4g} {one.unit}, the end of what a '
-        'refit allows: its value is no measurement, and the model may lack something else'
-        for one in refitted if one.at_limit)
-
-
-def _replaced(declared: PositionerParameters, found: PositionerParameters) -> tuple[str, ...]:
-    """Return a sentence where a term without a name took the place of one that was declared."""
-    had, has = declared.discrepancy, found.discrepancy
-    if had.location == NONE or has == had:
-        return ()
-    return (f'the declared term without a name ({label_of(had.location, had.variable)}) is no '
-            'longer in the model: a model holds one, and the one that was found took its place',)
 
 
 def _at_limit(free: Free, z: float) -> bool:

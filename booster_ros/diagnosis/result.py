@@ -13,7 +13,6 @@ from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.diagnosis.selection.decide import TraceStep
 from booster_ros.model import discrepancy as term
-from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
 
@@ -38,20 +37,6 @@ class FoundEffect:
     evidence: dict[str, float]
     standing: str = 'candidate'
     explained: float = float('nan')
-
-
-def either(effect: FoundEffect) -> str:
-    """Return a sentence where each of several sizes may be none, but not all at once, else ''."""
-    if effect.name not in EFFECTS:
-        return ''
-    sizes = [knob for knob in EFFECTS[effect.name].knobs
-             if not knob.shape and knob.parameter in effect.parameters]
-    intervals = [effect.parameters[knob.parameter] for knob in sizes]
-    if len(sizes) < 2 or not all(
-            found.holds_none(knob) for knob, found in zip(sizes, intervals)):
-        return ''
-    return (f'{" and ".join(knob.parameter for knob in sizes)}: each may be none, but not all: '
-            'this record shows what they do together, with declared parameters beside them')
 
 
 @dataclass(frozen=True)
@@ -302,6 +287,24 @@ class FalseAdd:
 
 
 @dataclass(frozen=True)
+class OtherRecord:
+    """
+    What there is to say of a record that only judges, beside the errors in it.
+
+    `beyond` is the share of its rows that go beyond the range in which the term without a name was
+    seen, `opened` the share in which a seat is open as far as it goes, of seats that never were in
+    the first record. `chance` is that of `Diagnosis`.
+    """
+
+    notes: tuple[str, ...]
+    drives: tuple[str, ...]
+    channels: tuple[str, ...]
+    beyond: float
+    opened: dict[str, float]
+    chance: dict[str, float]
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """
     The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
@@ -309,7 +312,9 @@ class Diagnosis:
     `refused` is a term without a name that did not stand, and is not in the model; `start` is
     where `after` begins, None for the start of the experiment. `decided` says that the verdict
     would be another one without the test set. `alike` are models that suit the record as well
-    as `after`, None where they were not sought or too few were found.
+    as `after`, None where they were not sought or too few were found. `chance` is, by channel, by
+    how many standard deviations of the noise two runs of `after` with nearly the same drives
+    differ, empty where they do not. `notes` say what was dropped, mended or assumed.
     """
 
     verdict: str
@@ -327,6 +332,7 @@ class Diagnosis:
     runs: dict[str, dict[str, Array]] = field(repr=False)
     notes: tuple[str, ...] = ()
     validation: dict[str, ChannelError] = field(default_factory=dict)
+    other: OtherRecord | None = None
     false_add: FalseAdd | None = None
     refused: Refused | None = None
     start: Initial | None = None
@@ -334,6 +340,7 @@ class Diagnosis:
     change: Change | None = None
     alike: Alike | None = field(default=None, repr=False)
     trace: tuple[TraceStep, ...] = ()
+    chance: dict[str, float] = field(default_factory=dict)
 
     @property
     def added(self) -> bool:

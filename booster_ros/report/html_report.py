@@ -10,7 +10,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import COMMANDS, Experiment
 from booster_ros.diagnosis.prepare.timing import commands_may_be_late
-from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
+from booster_ros.diagnosis.result import Diagnosis, FoundEffect
 from booster_ros.report import figures, interactive
 from booster_ros.report.engineering import number, scale_of, si_text
 from booster_ros.report.explanation import best_explanation, explained_share
@@ -25,6 +25,7 @@ from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.errors import scored
 from booster_ros.report.names import (
     capital, channel_label, effect_label, listing, place_label, positive_is)
+from booster_ros.report.notes import either, notes
 from booster_ros.report.unknown_term import unknown_experiment, unknown_rivals
 from booster_ros.report.wording import (
     SCALING, verdict_sentences, verdict_title, with_what_was_added)
@@ -279,9 +280,9 @@ def _record(view: View, provenance: Provenance) -> str:
         f'Noise, {_source_of_noise(experiment)}: {noise}.',
         _split(view),
     ]
-    notes = diagnosis.notes or ('Nothing was dropped or mended.',)
+    said = notes(diagnosis) or ('Nothing was dropped or mended.',)
     return section('The record', bullets(facts),
-                   '<h3>What was dropped, mended or assumed</h3>', bullets(notes))
+                   '<h3>What was dropped, mended or assumed</h3>', bullets(said))
 
 
 def _drive(name: str) -> str:

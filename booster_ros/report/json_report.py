@@ -11,6 +11,7 @@ from typing import Any
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm)
+from booster_ros.report.notes import notes
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.unknown_term import unknown_experiment
 from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
@@ -54,7 +55,7 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
             {'from': float(diagnosis.experiment.time[s.first]),
              'to': float(diagnosis.experiment.time[s.last - 1]), 'role': s.role}
             for s in diagnosis.segments],
-        'notes': list(diagnosis.notes),
+        'notes': list(notes(diagnosis)),
     }
 
 
