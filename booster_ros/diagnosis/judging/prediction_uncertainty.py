@@ -32,7 +32,6 @@ from booster_ros.diagnosis.data.experiment import FEWEST, Experiment, Initial, r
 from booster_ros.diagnosis.estimation.least_squares import descend
 from booster_ros.diagnosis.estimation.final_fit import FinalFit
 from booster_ros.diagnosis.estimation.fit import EVALUATIONS, Fit
-from booster_ros.diagnosis.estimation.inactive import BY_CHANCE
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import label
@@ -44,6 +43,10 @@ from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 Model = tuple[PositionerParameters, Initial]
+
+BY_CHANCE = 10.0
+"""Change of the cost for each variable up to which it is taken for chance: one where residuals are
+white, and some times that where they are coloured."""
 
 MODELS = 32
 """Number of models that are run: they tell what is left open to 13 %, two times of three."""
