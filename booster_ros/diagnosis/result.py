@@ -108,9 +108,9 @@ class ChannelError:
 
     `left_open` is the standard uncertainty of what the last model predicts that comes of
     parameters left open by the record, and `unforeseen` is what is left of `after` beyond it. Both
-    are NaN where the record was not met, or too few models were found that meet it. `mostly` are
-    the parameters that make most of `left_open` by themselves, each with the value that leaves
-    `unforeseen`, NaN if there is none.
+    are NaN where the record was not met, or too few models were found that meet it. `mostly` has
+    the parameter that makes most of the way to the model that leaves `unforeseen`, with its value
+    there, and is empty if there is none.
     """
 
     unit: str
@@ -138,13 +138,11 @@ class Alike:
     """
     Models, each with its start, that suit a record as well as the one that was found.
 
-    `one_off` are, by the name of a parameter, the model found with this parameter off to either
-    side and all others as they are. The model found is `base` with the values `z` of what was
-    free, fitted to the marked rows of the experiment, as `observation` compares the two.
+    The model found is `base` with the values `z` of what was free, fitted to the marked rows of the
+    experiment, as `observation` compares the two.
     """
 
     models: tuple[tuple[PositionerParameters, Initial], ...]
-    one_off: Mapping[str, tuple[tuple[PositionerParameters, Initial], ...]]
     base: PositionerParameters
     freedoms: tuple[Free, ...]
     z: Array
