@@ -34,10 +34,9 @@ def table_of(experiment: Experiment, label: str, rows=None, memory: float = 12.0
     """Return the table that a term is to be fitted with, on these rows."""
     seen_rows = np.ones(len(experiment.time), dtype=bool) if rows is None else rows
     problem = Problem(experiment, seen_rows, P, tuple(declared_freedom(P, experiment)))
-    one = next(t for t in terms(experiment.channels) if t.label == label)
-    return with_term(problem, fit_at(problem, problem.start()),
-                     replace(one, memory=memory if 'change' in label else one.memory),
-                     seen_rows).base.discrepancy
+    one = next(t for t in terms(experiment.channels)
+               if t.label == label and (t.past is None or t.past.typical == memory))
+    return with_term(problem, fit_at(problem, problem.start()), one, seen_rows).base.discrepancy
 
 
 def wider(gaps=()) -> Experiment:

@@ -80,14 +80,13 @@ class Term:
     """
     A place for a discrepancy: component, variable, a size that shows.
 
-    And its past, where it has one: `memory` is that of a change, s, `reach` that of a play, N.
+    And its past, where it has one: the memory of a change, s, or the reach of a play, N.
     """
 
     location: int
     variable: int
     size: float
-    memory: float = Discrepancy().memory
-    reach: float = Discrepancy().reach
+    past: Knob | None = None
 
     @property
     def place(self) -> str:
@@ -133,15 +132,19 @@ def _larger(declared: PositionerParameters, location: int) -> float:
 def _with_pasts(one: Term, larger: float) -> list[Term]:
     """Return the term with each past that is tried; itself where it has none."""
     if one.variable in term.CHANGE_OF:
-        return [replace(one, memory=memory) for memory in TIMES_OF_MEMORY]
-    if one.variable == term.FORCE_PLAY:
-        return [replace(one, reach=larger * reach) for reach in REACHES]
-    return [one]
+        name, tried = 'memory', TIMES_OF_MEMORY
+    elif one.variable == term.FORCE_PLAY:
+        name, tried = 'reach', tuple(larger * reach for reach in REACHES)
+    else:
+        return [one]
+    return [replace(one, past=Knob(
+        f'discrepancy.{name}', each, min(tried) / WIDER, WIDER * max(tried), each, shape=True))
+            for each in tried]
 
 
 def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
     """
-    Return the problem with the table's inner values free, over the range in the rows `seen`.
+    Return the problem with the table's inner values and its past free, over the range in `seen`.
 
     The range is that of the variable as measured, where it can be: a model without the term may
     stay within half of that. What a sensor lacks may hide part of the range, as where it has
@@ -150,7 +153,11 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     its range, and a run that leaves the range comes back with a chamber that knows nothing of the
     term. For a play, it is that of the play itself.
     """
-    empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
+    empty, past = Discrepancy(one.location, one.variable), ()
+    if one.past is not None:
+        begin = one.past.typical
+        empty = empty._replace(**{one.past.parameter.split('.')[1]: begin})
+        past = (Free(one.past, begin, begin),)
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
         low, high = range_followed(problem, reference, empty, seen)
@@ -164,24 +171,7 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     values_free = tuple(
         Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1))
     return replace(problem, base=problem.base._replace(discrepancy=table),
-                   freedoms=problem.freedoms + values_free)
-
-
-def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
-    """Return problem and z with the memory of a change, or the reach of a play, free as well."""
-    table = joint.base.discrepancy
-    tried: tuple[float, ...]
-    if table.variable in term.CHANGE_OF:
-        name, begin, tried = 'memory', table.memory, TIMES_OF_MEMORY
-    elif term.has_play(table):
-        larger = _larger(joint.base, term.BOOSTER)
-        name, begin, tried = 'reach', table.reach, tuple(larger * reach for reach in REACHES)
-    else:
-        return joint, z
-    where = len(joint.freedoms)
-    free = Free(Knob(f'discrepancy.{name}', begin, min(tried) / WIDER, WIDER * max(tried), begin,
-                     shape=True), begin, begin)
-    return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
+                   freedoms=problem.freedoms + values_free + past)
 
 
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
@@ -193,12 +183,12 @@ def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
     table of zeros beside the reference.
     """
     joint = with_term(problem, reference, one, seen)
-    where = len(problem.freedoms)
-    z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
+    where, end = len(problem.freedoms), len(joint.freedoms)
+    z = np.concatenate([reference.z[:where], np.zeros(end - where), reference.z[where:]])
     r = joint.residuals(z)
     data, inner = problem.observed, range(where, where + KNOTS - 2)
-    jacobian = np.zeros((len(r), len(z)))
-    jacobian[:data, np.delete(np.arange(len(z)), inner)] = reference.jacobian[:data]
+    jacobian = np.zeros((len(r), len(z)))  # a past has no slope while the table has none
+    jacobian[:data, np.r_[:where, end:len(z)]] = reference.jacobian[:data]
     jacobian[data:, joint.known] = np.diag(1.0 / joint.sigma[joint.known])
     jacobian[:, inner] = joint.differences(
         z, r, inner, np.full(len(z), LARGEST_DIFFERENCE))  # beside it a table bends nowhere

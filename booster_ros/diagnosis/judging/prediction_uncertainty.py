@@ -115,9 +115,9 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
     Return the errors in these rows of the model that comes nearest to meeting them and the record.
 
     And its value, by name, of the parameter that changes most of what is predicted there on the way
-    to it, of those that the record hardly shows alone. Both are empty if this model misses the record by
-    clearly more. Where the rows are of the `same` experiment, their start is sought from the one
-    that was fitted.
+    to it, of those that the record hardly shows alone. Both are empty if this model misses the
+    record by clearly more. Where the rows are of the `same` experiment, their start is sought from
+    the one that was fitted.
     """
     first, z = Problem(models.experiment, models.rows, models.base, models.freedoms), models.z
     shared, own = len(first.freedoms), len(z)
@@ -151,8 +151,9 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
     predicted = other.predict(both[of_other]) or {}
     return ({name: rmse(experiment.measured[name], values, rows)
              for name, values in predicted.items()},
-            {label(free): float(free.value(one)) for free, one, part in zip(
-                first.freedoms, both, open_yet) if part > 0.5 * open_yet.sum()})
+            {label(free): float(free.value(one))
+             for free, one, part in zip(first.freedoms, both, open_yet)
+             if part > 0.5 * open_yet.sum()})
 
 
 def _suiting(last: FinalFit) -> list[Array]:

@@ -14,7 +14,7 @@ from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.discrepancy import (
-    UNNAMED, Term, linear_reach, terms, with_free_past)
+    UNNAMED, Term, linear_reach, terms)
 from booster_ros.diagnosis.hypotheses.knots import looking_closer
 from booster_ros.diagnosis.selection.decide import NOISE
 from booster_ros.diagnosis.selection.neighbours import BEGUN, fitted_to_every_row
@@ -65,10 +65,7 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
         _, joint, slopes = reached[label]
         # what a lag does is far from straight: it is tried whatever the reckoning says
         if label in furthest or joint.base.discrepancy.location == term.EP_CONVERTER_LAG:
-            joint, start = with_free_past(joint, joint.start())
-            if len(start) > slopes.shape[1]:  # a past has no slope while the table has none
-                slopes = np.insert(slopes, len(joint.freedoms) - 1, 0.0, axis=1)
-            begun[label] = joint, fit(joint, [start], FIRST_STEPS, slopes=slopes)
+            begun[label] = joint, fit(joint, [joint.start()], FIRST_STEPS, slopes=slopes)
     return begun
 
 
