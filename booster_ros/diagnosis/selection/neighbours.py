@@ -33,9 +33,9 @@ from booster_ros.model.catalogue import EFFECTS
 Array = np.ndarray
 Tick = Callable[[], None]
 
-BEGUN, FRICTION_STARTS = 10, 2
-"""Number of screened effects that get first steps of a fit, and of starts of friction: screening
-ranks the right effect among the first ten."""
+BEGUN = 10
+"""Number of screened effects that get first steps of a fit: screening ranks the right effect among
+the first ten."""
 
 
 @dataclass(frozen=True)
@@ -178,8 +178,7 @@ def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:
     effects = (*parent.effects, name)
     joint = task.problem(effects)
     starts = friction_starts(joint, _seen_upstream(task, parent, joint))
-    begun = min((fit(joint, [start], FIRST_STEPS) for start in sorted(
-        starts, key=joint.cost)[:FRICTION_STARTS]), key=lambda end: end.cost)
+    begun = fit(joint, starts, FIRST_STEPS)
     smooth = replace(task.problem(parent.effects), observation=joint.observation)
     if begun.cost > smooth.cost(parent.fit.z):
         return []
