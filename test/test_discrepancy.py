@@ -61,7 +61,8 @@ def test_a_missing_value_costs_no_range_of_a_change():
     problem = Problem(simulated, np.ones(len(TIME), dtype=bool), P, ())
     one = next(t for t in terms(wider().channels)
                if t.label == CHANGING and t.past.typical == 12.0)
-    narrow = with_term(problem, fit_at(problem, problem.start()), one, np.ones(len(TIME), dtype=bool)).base.discrepancy
+    narrow = with_term(problem, fit_at(problem, problem.start()), one,
+                       np.ones(len(TIME), dtype=bool)).base.discrepancy
     assert np.ptp(covered(narrow)) < 0.9 * np.ptp(covered(whole))
 
 

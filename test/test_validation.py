@@ -8,7 +8,6 @@ from made_diagnosis import BENT, DECLARED, record_of, timed_columns, unknown_fou
 import numpy as np
 
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.result import UnknownTerm
 from booster_ros.diagnosis.judging.validation import validated
 from booster_ros.model.simulation import simulate
 from booster_ros.report.notes import notes
@@ -19,7 +18,7 @@ def test_a_term_asked_for_what_it_has_not_seen_is_said():
     within = prepare(record_of(timed_columns(BENT, seed=2)), DECLARED)
     assert notes(validated(found, within)) == notes(found)
 
-    narrow = UnknownTerm(found.unknown.table._replace(knots=tuple(np.linspace(0.004, 0.01, 12))))
+    narrow = found.unknown._replace(knots=tuple(np.linspace(0.004, 0.01, 12)))
     said = notes(validated(replace(found, unknown=narrow), within))
     seen = within.measured['valve_position']
     share = np.mean((seen < narrow.knots[1]) | (seen > narrow.knots[-2]))

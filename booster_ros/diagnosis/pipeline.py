@@ -27,13 +27,14 @@ from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, UnknownTerm, errors_of)
+    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, errors_of)
 from booster_ros.diagnosis.selection.decide import LARGE, TIE, Comparison, compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.stepwise import (
     Progress, Selection, comparison, explained, select)
 from booster_ros.diagnosis.selection.task import PLACES, Model, Task, near_best
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.model.discrepancy import VARIABLES, covered
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -104,10 +105,10 @@ def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
     after, runs, errors = judged(selection.chosen)
     if not _unnamed(selection.chosen) or stands(errors):
         return selection.chosen, after, runs, None
-    table = UnknownTerm(after.fit.parameters.discrepancy)
-    outside = beyond(table.seen, experiment, after.fit.parameters, after.fit.initial)
+    table = after.fit.parameters.discrepancy
+    outside = beyond(covered(table), experiment, after.fit.parameters, after.fit.initial)
     refused = Refused(
-        place_of(table.table.location), table.variable,
+        place_of(table.location), VARIABLES[table.variable],
         {name: error.after for name, error in errors.items() if np.isfinite(error.after)},
         float(np.mean(outside[test])))
     return selection.named, *judged(selection.named)[:2], refused
@@ -124,14 +125,14 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
     test = rows_of(task.segments, 'test', size)
     errors, held_out = (errors_of(experiment, runs, rows) for rows in (
         rows_of(task.segments, 'train', size), test))
-    unknown = UnknownTerm(after.fit.parameters.discrepancy) if _unnamed(chosen) else None
+    unknown = after.fit.parameters.discrepancy if _unnamed(chosen) else None
     decided, suspect = refused is not None, selection.chosen
     if not chosen.effects and refused is None and chosen.reduced_chi2 > LARGE:
         refused, suspect = _pointed_at(selection)
     verdict = 'effect' if chosen.effects else 'none'
     effects: tuple[FoundEffect, ...] = ()
     if unknown is not None:
-        verdict, place = 'unknown', place_of(unknown.table.location)
+        verdict, place = 'unknown', place_of(unknown.location)
         effects = (_nameless(place, selection, chosen, held_out),)
     elif chosen.effects:
         effects = tuple(_found(task, selection, chosen, after, held_out, name)
@@ -158,8 +159,8 @@ def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:
     if not terms:
         return None, selection.chosen
     nearest = min(terms, key=lambda one: one.reduced_chi2)
-    table = UnknownTerm(nearest.fit.parameters.discrepancy)
-    return Refused(place_of(table.table.location), table.variable, None, 0.0), nearest
+    table = nearest.fit.parameters.discrepancy
+    return Refused(place_of(table.location), VARIABLES[table.variable], None, 0.0), nearest
 
 
 def _suspects(selection: Selection, chosen: Model) -> tuple[Suspect, ...]:

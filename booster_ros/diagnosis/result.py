@@ -12,7 +12,6 @@ from booster_ros.diagnosis.data.blocks import Segment
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.diagnosis.selection.decide import TraceStep
-from booster_ros.model import discrepancy as term
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
 
@@ -37,61 +36,6 @@ class FoundEffect:
     evidence: dict[str, float]
     standing: str = 'candidate'
     explained: float = float('nan')
-
-
-@dataclass(frozen=True)
-class UnknownTerm:
-    """A discrepancy without a name: a table over one variable in one component, SI units."""
-
-    table: Discrepancy
-
-    @property
-    def location(self) -> str:
-        """The component that it enters."""
-        return term.LOCATIONS[self.table.location]
-
-    @property
-    def unit(self) -> str:
-        """Unit of what it adds to that component."""
-        return term.LOCATION_UNITS[self.table.location]
-
-    @property
-    def variable(self) -> str:
-        """The variable that it depends on."""
-        return term.VARIABLES[self.table.variable]
-
-    @property
-    def variable_unit(self) -> str:
-        """Unit of the variable."""
-        return term.VARIABLE_UNITS[self.table.variable]
-
-    @property
-    def memory(self) -> float | None:
-        """Time over which the variable is a change, s; None where the variable is no change."""
-        return self.table.memory if term.forgets(self.table) else None
-
-    @property
-    def reach(self) -> float | None:
-        """Half the width of the play in which the variable is a place, N; None without a play."""
-        return self.table.reach if term.has_play(self.table) else None
-
-    @property
-    def seen(self) -> tuple[float, float]:
-        """The range of the variable in the record; the outermost knots lie beyond it, at zero."""
-        return term.covered(self.table)
-
-    @property
-    def knots(self) -> Array:
-        """Values of the variable at which the table has values of its own, shape (term.KNOTS,)."""
-        return np.array(self.table.knots)
-
-    @property
-    def values(self) -> Array:
-        """What the term adds at each knot, shape (term.KNOTS,), the part of a play included."""
-        added = np.array(self.table.values)
-        if self.reach is not None:
-            added -= self.reach * np.clip(self.knots, -1.0, 1.0)
-        return added
 
 
 AS_GOOD_AS_MEASURED = 1.3
@@ -307,17 +251,18 @@ class Diagnosis:
     """
     The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
 
-    `refused` is a term without a name that did not stand, and is not in the model; `start` is
-    where `after` begins, None for the start of the experiment. `decided` says that the verdict
-    would be another one without the test set. `alike` are models that suit the record as well
-    as `after`, None where they were not sought or too few were found. `chance` is, by channel, by
-    how many standard deviations of the noise two runs of `after` with nearly the same drives
-    differ, empty where they do not. `notes` say what was dropped, mended or assumed.
+    `unknown` is the table of a term without a name that was added. `refused` is one that did not
+    stand, and is not in the model; `start` is where `after` begins, None for the start of the
+    experiment. `decided` says that the verdict would be another one without the test set. `alike`
+    are models that suit the record as well as `after`, None where they were not sought or too few
+    were found. `chance` is, by channel, by how many standard deviations of the noise two runs of
+    `after` with nearly the same drives differ, empty where they do not. `notes` say what was
+    dropped, mended or assumed.
     """
 
     verdict: str
     effects: tuple[FoundEffect, ...]
-    unknown: UnknownTerm | None
+    unknown: Discrepancy | None
     error: dict[str, ChannelError]
     held_out: dict[str, ChannelError]
     suspects: tuple[Suspect, ...]

@@ -9,6 +9,7 @@ from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, FoundEffect, O
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import NONE
 from booster_ros.model.system import depends_on_time
+from booster_ros.report.unknown_term import unknown_of
 
 
 def notes(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -80,9 +81,10 @@ def _of_other_channels(diagnosis: Diagnosis, other: OtherRecord) -> tuple[str, .
 
 def _beyond(diagnosis: Diagnosis, other: OtherRecord) -> tuple[str, ...]:
     """Return a sentence where a term without a name is asked beyond the range that it has seen."""
-    if diagnosis.unknown is None or other.beyond < WORTH_SAYING:
+    unknown = unknown_of(diagnosis)
+    if unknown is None or other.beyond < WORTH_SAYING:
         return ()
-    variable = diagnosis.unknown.variable.replace('_', ' ')
+    variable = unknown.variable.replace('_', ' ')
     return (f'{100.0 * other.beyond:.0f} % of the other record lies beyond the {variable} in which '
             'the term without a name was seen: it fades to zero there',)
 

@@ -15,6 +15,7 @@ from booster_ros.diagnosis.prepare.start_state import FIRST_SECONDS
 from booster_ros.diagnosis.result import Diagnosis, OtherRecord, errors_of
 from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.model.booster import largest_exhaust_area
+from booster_ros.model.discrepancy import covered
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
@@ -32,7 +33,7 @@ def validated(
     errors = with_left_open(errors_of(experiment, runs, rows), experiment, runs['after'],
                             diagnosis.alike, rows, starts[-1])
     unknown = diagnosis.unknown
-    outside = beyond(unknown.seen, experiment, diagnosis.after, starts[-1]) if unknown else 0.0
+    outside = beyond(covered(unknown), experiment, diagnosis.after, starts[-1]) if unknown else 0.0
     return replace(diagnosis, validation=errors, other=OtherRecord(
         notes, experiment.drives, experiment.channels, float(np.mean(outside)),
         _opened_further(diagnosis, experiment, starts[-1]),
