@@ -16,7 +16,7 @@ from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
 from booster_ros.report.names import positive_is
 from booster_ros.report.parameter_files import write_parameter_files
-from booster_ros.report.unknown_term import UnknownTerm, unknown_rivals
+from booster_ros.report.unknown_term import unknown_rivals
 from booster_ros.report.wording import verdict_sentences, verdict_title
 
 
@@ -66,7 +66,7 @@ def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
 
 def test_an_unnamed_term_over_time_is_not_to_be_varied():
     diagnosis = unknown_found()
-    term = UnknownTerm(diagnosis.unknown._replace(variable=discrepancy.TIME))
+    term = diagnosis.unknown._replace(variable=discrepancy.TIME)
     page = Page(html_page(replace(diagnosis, unknown=term), FROM))
     assert 'record the same currents again' in page.text
     assert 'vary the time' not in page.text
