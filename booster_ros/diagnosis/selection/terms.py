@@ -15,17 +15,12 @@ from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.discrepancy import (
     UNNAMED, Term, linear_reach, terms)
-from booster_ros.diagnosis.hypotheses.knots import looking_closer
-from booster_ros.diagnosis.selection.decide import NOISE
 from booster_ros.diagnosis.selection.neighbours import BEGUN, fitted_to_every_row
 from booster_ros.diagnosis.selection.screening import BEST
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model import discrepancy as term
 
 Array = np.ndarray
-
-WORTH_A_LOOK = 0.05
-"""Knots go to where a term bends as long as that lowers the cost by so much."""
 
 _NEED_A_CLOCK = (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR)
 
@@ -39,8 +34,9 @@ def best_terms(task: Task, root: Model) -> list[Model]:
     begun = _begun(problem, fit_at(problem, root.fit.z), likely)
     models = []
     for label in sorted(begun, key=lambda name: begun[name][1].cost)[:BEST]:
-        joint, z = _fitted(*begun[label])
-        models.append(fitted_to_every_row(task, (UNNAMED + label,), joint, z))
+        joint, end = begun[label]
+        models.append(fitted_to_every_row(
+            task, (UNNAMED + label,), joint, fit(joint, [end.z]).z))
     order = list(begun)
     return sorted(models, key=lambda one: order.index(one.effects[0].removeprefix(UNNAMED)))
 
@@ -67,22 +63,3 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
         if label in furthest or joint.base.discrepancy.location == term.EP_CONVERTER_LAG:
             begun[label] = joint, fit(joint, [joint.start()], FIRST_STEPS, slopes=slopes)
     return begun
-
-
-def _fitted(problem: Problem, begun: Fit) -> tuple[Problem, Array]:
-    """
-    Return the problem with a term and z, fitted to its end.
-
-    Its knots are spread evenly at first. Where that leaves more than noise, they go to where the
-    term bends, as long as that lowers the cost by a share that matters.
-    """
-    best = fit(problem, [begun.z])
-    while best.cost > NOISE * problem.observed:
-        closer, z = looking_closer(problem, best)
-        further = fit(closer, [z])
-        share = further.cost / best.cost
-        if share < 1.0:
-            problem, best = closer, further
-        if share > 1.0 - WORTH_A_LOOK:
-            break
-    return problem, best.z
