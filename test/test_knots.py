@@ -8,7 +8,7 @@ import pytest
 
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.hypotheses.knots import with_gentle_ends
+from booster_ros.diagnosis.hypotheses.discrepancy import with_gentle_ends
 from booster_ros.model.discrepancy import (
     CHAMBER, KNOTS, VALVE_POSITION, Discrepancy, covered, interpolate)
 

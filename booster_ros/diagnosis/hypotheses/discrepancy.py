@@ -19,11 +19,9 @@ from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
 from booster_ros.diagnosis.estimation.parametrisation import Free
-from booster_ros.diagnosis.hypotheses.knots import about_zero, evenly
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy
-from booster_ros.model.ep_converter import QUICKEST, SLOWEST, times_as_slow
 from booster_ros.model.scaling import PAPER, proportion
 from booster_ros.model.system import PositionerParameters
 from booster_ros.model.term_course import followed
@@ -36,7 +34,6 @@ Array = np.ndarray
 # behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
-    (term.EP_CONVERTER_LAG, 1.0, (term.BACK_PRESSURE_ERROR,)),
     (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
     (term.BOOSTER, 0.002, (term.FORCE_PLAY,)),
     (term.SUPPLY, 1e3, (term.TIME,)),
@@ -62,17 +59,16 @@ WIDER = 10.0
 """How many times as short or as long as those that are tried a fitted memory or half-width may
 be."""
 
+ROUNDING = 1e-6
+"""Share of a variable that hardly changes, by which knots are apart: rounding shifts none over
+another."""
+
 UNNAMED = 'unknown: '
 """Prefix of the label of a term, where models are listed by their effects."""
 
 _PLACES = {
-    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber',
-    'ep_converter_lag': 'ep_converter'}
+    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber'}
 """Locations as reports print them, where they differ from the table's."""
-
-MUCH_SLOWER = times_as_slow(-QUICKEST)
-"""How many times as slow a converter is taken to be, at the most, where it is asked how far its
-back pressure may have to go: about ten."""
 
 
 @dataclass(frozen=True)
@@ -161,17 +157,41 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
         low, high = range_followed(problem, reference, empty, seen)
-    spread, least, most = evenly, -1e3 * one.size, 1e3 * one.size
-    if one.location == term.EP_CONVERTER_LAG:
-        spread, least, most = about_zero, QUICKEST, SLOWEST
-    table = empty._replace(knots=tuple(spread(low, high).tolist()))
-    knob = Knob('discrepancy.values', one.size, least, most)
+    table = empty._replace(knots=tuple(_evenly(low, high).tolist()))
+    knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
     # a prior of a size that shows keeps unseen knots near zero, and leaves what stays the same
     # everywhere to the declared parameters, which hold beyond the table too
     values_free = tuple(
         Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1))
     return replace(problem, base=problem.base._replace(discrepancy=table),
                    freedoms=problem.freedoms + values_free + past)
+
+
+def _evenly(low: float, high: float) -> Array:
+    """Return knots at equal distances, shape (KNOTS,), the inner ones from `low` to `high`."""
+    spacing = max((high - low) / (KNOTS - 3), ROUNDING * max(abs(low), abs(high)), 1e-12)
+    return low + spacing * np.arange(-1.0, KNOTS - 1)
+
+
+def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
+    """
+    Return the problem with a table that fades to zero no more steeply than it runs as fitted.
+
+    A leak that grows along the travel does not vanish just beyond the last position seen: a valve
+    that goes there would meet a step which no record showed. No fade is longer than the range that
+    was seen. Over a play the table stays as it is: nothing is beyond a play.
+    """
+    table = fit.parameters.discrepancy
+    if term.has_play(table):
+        return problem
+    knots, inner = np.array(table.knots[1:-1]), np.array(table.values[1:-1])
+    covers = knots[-1] - knots[0]
+    steepest = max(float(np.abs(np.diff(inner) / np.diff(knots)).max()), 1e-300)
+    below, above = (float(np.clip(abs(end) / steepest, covers / (KNOTS - 3), covers))
+                    for end in inner[[0, -1]])
+    table = problem.base.discrepancy._replace(knots=tuple(
+        np.r_[knots[0] - below, knots, knots[-1] + above].tolist()))
+    return replace(problem, base=problem.base._replace(discrepancy=table))
 
 
 def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
@@ -209,32 +229,13 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
 
 def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
     """Return the lowest and the highest value of a term's variable."""
-    if table.variable == term.BACK_PRESSURE_ERROR:
-        p = reference.parameters._replace(discrepancy=table)
-        values = np.concatenate([_simulated_errors(problem.experiment, p, slower)[seen]
-                                 for slower in (1.0, MUCH_SLOWER)])
-    else:
-        values = _course(problem.experiment, reference, table, seen)[seen]
+    values = _course(problem.experiment, reference, table, seen)[seen]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
         given = problem.parameters(problem.start())
         run = problem.experiment.simulate(given, reference.initial)
         read = followed(given._replace(discrepancy=table), run['time'], run.columns)
         values = np.r_[values, read[seen]]
     return np.array([np.nanmin(values), np.nanmax(values)])
-
-
-def _simulated_errors(experiment: Experiment, p: PositionerParameters, slower: float) -> Array:
-    """
-    Return how far the back pressure has to go, Pa, shape (n,), if the lag is so many times as long.
-
-    The error is no reading. It is the height of a step whatever the lag, but on a ramp it grows
-    with the lag that is to be found.
-    """
-    ep = p.ep_converter
-    p = p._replace(ep_converter=ep._replace(time_constant=slower * ep.time_constant))
-    # the start of a fit without the term may have gone far to imitate it
-    run = experiment.simulate(p, experiment.initial)
-    return followed(p, experiment.time, run.columns)
 
 
 def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
