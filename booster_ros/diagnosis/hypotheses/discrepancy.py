@@ -127,6 +127,7 @@ def _larger(declared: PositionerParameters, location: int) -> float:
 
 def _with_pasts(one: Term, larger: float) -> list[Term]:
     """Return the term with each past that is tried; itself where it has none."""
+    tried: tuple[float, ...]
     if one.variable in term.CHANGE_OF:
         name, tried = 'memory', TIMES_OF_MEMORY
     elif one.variable == term.FORCE_PLAY:
@@ -149,7 +150,8 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     its range, and a run that leaves the range comes back with a chamber that knows nothing of the
     term. For a play, it is that of the play itself.
     """
-    empty, past = Discrepancy(one.location, one.variable), ()
+    empty = Discrepancy(one.location, one.variable)
+    past: tuple[Free, ...] = ()
     if one.past is not None:
         begin = one.past.typical
         empty = empty._replace(**{one.past.parameter.split('.')[1]: begin})
