@@ -18,7 +18,7 @@ from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
-from booster_ros.diagnosis.estimation.parametrisation import Free
+from booster_ros.diagnosis.estimation.parametrisation import Free, put
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy
@@ -150,23 +150,20 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
     its range, and a run that leaves the range comes back with a chamber that knows nothing of the
     term. For a play, it is that of the play itself.
     """
-    empty = Discrepancy(one.location, one.variable)
-    past: tuple[Free, ...] = ()
+    p, past = problem.base._replace(discrepancy=Discrepancy(one.location, one.variable)), []
     if one.past is not None:
         begin = one.past.typical
-        empty = empty._replace(**{one.past.parameter.split('.')[1]: begin})
-        past = (Free(one.past, begin, begin),)
+        p, past = put(p, one.past.parameter, begin), [Free(one.past, begin, begin)]
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
-        low, high = range_followed(problem, reference, empty, seen)
-    table = empty._replace(knots=tuple(_evenly(low, high).tolist()))
+        low, high = range_followed(problem, reference, p.discrepancy, seen)
+    table = p.discrepancy._replace(knots=tuple(_evenly(low, high).tolist()))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
     # a prior of a size that shows keeps unseen knots near zero, and leaves what stays the same
     # everywhere to the declared parameters, which hold beyond the table too
-    values_free = tuple(
-        Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1))
+    values = [Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1)]
     return replace(problem, base=problem.base._replace(discrepancy=table),
-                   freedoms=problem.freedoms + values_free + past)
+                   freedoms=(*problem.freedoms, *values, *past))
 
 
 def _evenly(low: float, high: float) -> Array:
