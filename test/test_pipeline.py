@@ -47,9 +47,9 @@ def test_each_step_of_the_selection_is_in_the_trace(leaking):
     found, _ = leaking
     step = [one for one in found.trace if one.outcome == 'accepted'][-1]
     assert (step.effects, step.against) == (('chamber_leak',), ())
-    assert step.log_evidence > 100.0
-    assert step.gain > 2.0 * step.gain_standard_error > 0.0
-    assert 1.0 <= step.dispersion < 2.0
+    assert step.found.log_evidence > 100.0
+    assert step.found.gain > 2.0 * step.found.gain_standard_error > 0.0
+    assert 1.0 <= step.found.dispersion < 2.0
     assert step.reduced_chi2 < 1.15
     chosen, *others = sorted(found.suspects, key=lambda one: one.reason != 'chosen')
     assert chosen.effects == ('chamber_leak',)

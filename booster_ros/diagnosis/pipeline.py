@@ -201,8 +201,7 @@ def _found(task: Task, selection: Selection, chosen: Model, after: FinalFit,
 def _evidence(chosen: Model, without: Model, said: Comparison) -> dict[str, float]:
     """Return the figures on which a finding rests."""
     return {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
-            'log_evidence': said.log_evidence, 'gain': said.gain,
-            'gain_standard_error': said.standard_error, 'dispersion': said.dispersion}
+            **said.figures()}
 
 
 def _without(selection: Selection, chosen: Model, name: str) -> Model:

@@ -44,7 +44,10 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
         'suspects': [
             {'effects': list(s.effects), 'misfit': s.misfit, 'reason': s.reason}
             for s in diagnosis.suspects],
-        'trace': [asdict(step) for step in diagnosis.trace],
+        'trace': [
+            {'effects': list(step.effects), 'against': list(step.against),
+             'reduced_chi2': step.reduced_chi2, **step.found.figures(), 'outcome': step.outcome}
+            for step in diagnosis.trace],
         'declared_parameters': {
             r.name: {'given': r.given, 'before': r.before, 'after': r.after, 'spread': r.spread,
                      'low': r.low, 'high': r.high, 'unit': r.unit, 'at_limit': r.at_limit}
