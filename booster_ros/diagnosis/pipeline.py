@@ -232,11 +232,8 @@ def _at_limit(free: Free, z: float) -> bool:
 
 def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, ...]:
     rows = []
-    places = {(free.knob.parameter, free.element): j
-              for j, free in enumerate(after.problem.freedoms)}
-    for free in task.freedoms:
+    for j, free in enumerate(task.freedoms):
         name, element = free.knob.parameter, free.element
-        j = places[name, element]
         looser = after.problem.freedoms[j]  # its prior may be looser beside an effect
         z = looser.variable(get(after.fit.parameters, name, element))
         at_limit = _at_limit(looser, z)

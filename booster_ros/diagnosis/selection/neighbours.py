@@ -116,7 +116,7 @@ def _small(task: Task, parent: Model, names: list[str]) -> list[tuple[str, Probl
         lambda name: screen(problem, around, name, frequencies, SIZES[:1]), names)
     least = found.cost - 2.0 * TIE * parent.score.dispersion
     hopeful = sorted((one for one in screened if one.cost < least), key=lambda one: one.cost)
-    return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.starts[0])
+    return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.starts[0][1])
             for one in hopeful[:BEST]]
 
 

@@ -60,21 +60,19 @@ the wrong frequency.
 @dataclass(frozen=True)
 class Screened:
     """
-    An effect, the problem with it added, where to fit from, and the costs there (best first).
+    An effect, the problem with it added, and where to fit from, best first.
 
-    `around` are the references that they were reckoned from.
+    `starts` are costs, the variables there, and the references that they were reckoned from.
     """
 
     effect: str
     problem: Problem
-    starts: tuple[Array, ...]
-    costs: tuple[float, ...]
-    around: tuple['Reference', ...]
+    starts: tuple[tuple[float, Array, 'Reference'], ...]
 
     @property
     def cost(self) -> float:
         """The least cost seen."""
-        return min(self.costs, default=float('inf'))
+        return self.starts[0][0] if self.starts else float('inf')
 
 
 def _with_sizes(problem: Problem, z: Array, e: Array) -> Array:
@@ -247,16 +245,14 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: It
         if trials:
             best = min(trials, key=lambda trial: trial.cost)
             found.append((best.cost, np.clip(best.z, *joint.bounds()), reference))
-    found.sort(key=lambda one: one[0])
-    return Screened(name, joint, tuple(z for _, z, _ in found), tuple(cost for cost, *_ in found),
-                    tuple(reference for *_, reference in found))
+    return Screened(name, joint, tuple(sorted(found, key=lambda one: one[0])))
 
 
 def first_steps(problem: Problem, quick: Screened) -> Fit:
     """Return where first steps lead from the starts of a screened effect: the best of these."""
     inner = range(len(problem.freedoms), len(quick.problem.freedoms))
     found = []
-    for start, reference in zip(quick.starts, quick.around):
+    for _, start, reference in quick.starts:
         slopes = np.insert(reference.jacobian, [inner.start] * len(inner), 0.0, axis=1)
         slopes[:, inner] = quick.problem.differences(
             start, quick.problem.residuals(start), inner, np.full(len(start), DIFFERENCE))
