@@ -72,39 +72,35 @@ def block_bootstrap(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
     """
     label = block_of_row[np.concatenate(problem.first_rows)]
     residual, jacobian, data = fit.residuals, fit.jacobian, problem.observed
-    blocks = np.unique(label)
-    size = len(fit.z)
-    gradients = np.zeros((len(blocks), size))
-    hessians = np.zeros((len(blocks), size, size))
-    for b, k in enumerate(blocks):
-        mask = np.flatnonzero(label == k)
-        gradients[b] = jacobian[mask].T @ residual[mask]
-        hessians[b] = jacobian[mask].T @ jacobian[mask]
+    blocks = [np.flatnonzero(label == k) for k in np.unique(label)]
+    gradients = np.array([jacobian[rows].T @ residual[rows] for rows in blocks])
+    hessians = np.array([jacobian[rows].T @ jacobian[rows] for rows in blocks])
     prior = jacobian[data:]
-    prior_hessian = prior.T @ prior
-    rng = np.random.default_rng(1)
-    draws = np.empty((DRAWS, size))
     # sizes are held to their typical order: else one that hardly shows in a draw could be anything
-    ridge = np.eye(size) / WIDEST**2
-    pull = ridge @ fit.z
+    ridge = np.eye(len(fit.z)) / WIDEST**2
+    rng = np.random.default_rng(1)
+    several = [(np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks)),
+                residual[data:] + rng.standard_normal(len(prior))) for _ in range(DRAWS)]
+
+    def system(counts: Array, centres: Array, which: Array) -> tuple[Array, Array]:
+        """Return Hessian and gradient over some variables, of blocks that count so often."""
+        hessian = np.tensordot(counts, hessians, 1) + prior.T @ prior + ridge
+        gradient = counts @ gradients + prior.T @ centres + ridge @ fit.z
+        return hessian[np.ix_(which, which)], gradient[which]
+
+    def drawn(which: Array) -> Array:
+        """Return draws of some variables with all else as it was found."""
+        steps = np.array([np.linalg.solve(*system(*one, which)) for one in several])
+        whole = system(np.ones(len(blocks)), residual[data:], which)
+        room = np.array(problem.bounds()) - fit.z
+        return np.asarray(fit.z[which] - steps + _held_back(*whole, room[:, which]))
+
+    draws = drawn(np.arange(len(fit.z)))
     shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
-    rest = np.setdiff1d(np.arange(size), shapes)
-    for d in range(DRAWS):
-        counts = np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks))
-        centres = residual[data:] + rng.standard_normal(len(prior))
-        gradient = counts @ gradients + prior.T @ centres + pull
-        hessian = np.tensordot(counts, hessians, 1) + prior_hessian + ridge
-        draws[d] = fit.z - np.linalg.solve(hessian, gradient)
-        if shapes:
-            draws[d, rest] = fit.z[rest] - np.linalg.solve(
-                hessian[np.ix_(rest, rest)], gradient[rest])
-    gradient = gradients.sum(axis=0) + prior.T @ residual[data:] + pull
-    hessian = hessians.sum(axis=0) + prior_hessian + ridge
-    room = np.array(problem.bounds()) - fit.z
-    held = _held_back(hessian, gradient, room)
     if shapes:
-        held[rest] = _held_back(hessian[np.ix_(rest, rest)], gradient[rest], room[:, rest])
-    return draws + held
+        rest = np.setdiff1d(np.arange(len(fit.z)), shapes)
+        draws[:, rest] = drawn(rest)
+    return draws
 
 
 def _held_back(hessian: Array, gradient: Array, room: Array) -> Array:
