@@ -167,10 +167,6 @@ class Suspect:
     reason: str
 
 
-HARDLY_TOLD = 0.8
-"""Width of the interval of a parameter, relative to that of its tolerance, above which a record
-hardly tells the parameter."""
-
 FAR_OFF = 2.0
 """Number of standard deviations, of a tolerance or of what is left open, that is more than chance:
 a record does tell a parameter that it has moved so far."""
@@ -200,11 +196,6 @@ class Refitted:
     low: float = float('nan')
     high: float = float('nan')
     width: float = float('nan')
-
-    @property
-    def hardly_told(self) -> bool:
-        """Whether the record tells it hardly closer than it was known before."""
-        return self.width > HARDLY_TOLD and abs(self.away_after) < FAR_OFF
 
 
 @dataclass(frozen=True)
