@@ -139,16 +139,15 @@ def _with_pasts(one: Term, larger: float) -> list[Term]:
             for each in tried]
 
 
-def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
+def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
     """
-    Return the problem with the table's inner values and its past free, over the range in `seen`.
+    Return the problem with the table's inner values and its past free, over the range in its rows.
 
     The range is that of the variable as measured, where it can be: a model without the term may
     stay within half of that. What a sensor lacks may hide part of the range, as where it has
     reached its end: for its terms, the range that the parameters as given lead through counts as
-    well. `seen` has to include the rows between the fitted ones as well: the table is zero beyond
-    its range, and a run that leaves the range comes back with a chamber that knows nothing of the
-    term. For a play, it is that of the play itself.
+    well. The table is zero beyond its range, and a run that leaves the range comes back with a
+    chamber that knows nothing of the term. For a play, it is that of the play itself.
     """
     p, past = problem.base._replace(discrepancy=Discrepancy(one.location, one.variable)), []
     if one.past is not None:
@@ -156,7 +155,7 @@ def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Probl
         p, past = put(p, one.past.parameter, begin), [Free(one.past, begin, begin)]
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
-        low, high = range_followed(problem, reference, p.discrepancy, seen)
+        low, high = _range_followed(problem, reference, p.discrepancy)
     table = p.discrepancy._replace(knots=tuple(_evenly(low, high).tolist()))
     knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
     # a prior of a size that shows keeps unseen knots near zero, and leaves what stays the same
@@ -193,15 +192,14 @@ def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
     return replace(problem, base=problem.base._replace(discrepancy=table))
 
 
-def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
-                 ) -> tuple[float, Problem, Array]:
+def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Problem, Array]:
     """
     Return what a term can reach by linear reckoning.
 
     That is the cost, infinite where nothing shows, the term's problem, and its Jacobian with a
     table of zeros beside the reference.
     """
-    joint = with_term(problem, reference, one, seen)
+    joint = with_term(problem, reference, one)
     where, end = len(problem.freedoms), len(joint.freedoms)
     z = np.concatenate([reference.z[:where], np.zeros(end - where), reference.z[where:]])
     r = joint.residuals(z)
@@ -226,26 +224,27 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
     return (course < seen[0]) | (course > seen[1])
 
 
-def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
-    """Return the lowest and the highest value of a term's variable."""
-    values = _course(problem.experiment, reference, table, seen)[seen]
+def _range_followed(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
+    """Return the lowest and the highest value of a term's variable in the rows of the problem."""
+    values = _course(problem, reference, table)[problem.rows]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
         given = problem.parameters(problem.start())
         run = problem.experiment.simulate(given, reference.initial)
         read = followed(given._replace(discrepancy=table), run['time'], run.columns)
-        values = np.r_[values, read[seen]]
+        values = np.r_[values, read[problem.rows]]
     return np.array([np.nanmin(values), np.nanmax(values)])
 
 
-def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
+def _course(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
     """
-    Return the variable of a term as measured, or as simulated where no row `seen` has a reading.
+    Return the variable of a term as measured, or as simulated where no row that counts has it.
 
     For a change, the variable that changes runs straight across a gap.
     """
+    experiment = problem.experiment
     name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
     values = experiment.measured.get(name)
-    if values is None or not np.isfinite(values[seen]).any():
+    if values is None or not np.isfinite(values[problem.rows]).any():
         values = experiment.simulate(reference.parameters, reference.initial)[name]
     elif table.variable in term.CHANGE_OF:
         values = bridged(experiment.time, values)

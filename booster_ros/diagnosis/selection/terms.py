@@ -49,7 +49,7 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
     """
     reached: dict[str, tuple[float, Problem, Array]] = {}
     for one, reach in zip(likely, side_by_side(
-            lambda one: linear_reach(problem, reference, one, problem.rows), likely)):
+            lambda one: linear_reach(problem, reference, one), likely)):
         if np.isfinite(reach[0]) and reach[0] < reached.get(one.label, (np.inf,))[0]:
             reached[one.label] = reach
     order = list(reached)
