@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.data.experiment import Experiment
-from booster_ros.diagnosis.estimation.fit import fit_at
+from booster_ros.diagnosis.estimation.fit import fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.prepare.preparation import prepare
@@ -19,8 +19,8 @@ from booster_ros.diagnosis.hypotheses.discrepancy import terms, with_term
 from booster_ros.diagnosis.selection import terms as best
 from booster_ros.diagnosis.selection.neighbours import refitted
 from booster_ros.model.discrepancy import (
-    BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME,
-    VARIABLES, Discrepancy, covered, forgets, remembers)
+    BACK_PRESSURE_ERROR, BOOSTER, CHANGE_OF, CURRENT_CHANGE, EP_CONVERTER, EP_CONVERTER_LAG,
+    FORCE_PLAY, KNOTS, STEM, TIME as OVER_TIME, VARIABLES, Discrepancy, covered, forgets, remembers)
 from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
 from booster_ros.model.system import PAST_UNIT
@@ -114,6 +114,7 @@ def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
     assert best.best_terms(task, as_given(task)) == []
     assert 'stem over valve_position' in tried_labels
     assert any(label.endswith('_change') for label in tried_labels) is not swept
+    assert ('ep_converter_lag over back_pressure_error' in tried_labels) is not swept
 
 
 @pytest.mark.parametrize('measured', [False, True])
@@ -130,6 +131,7 @@ def test_what_lies_upstream_of_a_measured_drive_is_no_place(measured, monkeypatc
     places = {label.split(' over ')[0] for label in begun}
     assert 'stem' in places
     assert ('ep_converter' in places) is not measured
+    assert ('ep_converter_lag' in places) is not measured
 
 
 @pytest.mark.parametrize(('every', 'past'), [(1, 0.0), (1, 0.5), (50, 0.5), (250, 0.0)])
@@ -148,6 +150,28 @@ def test_the_change_of_a_current_is_that_of_the_model_also_on_few_rows(every, pa
     settled = later & (np.abs(time - 5.0) > 0.5)
     assert added[settled] == pytest.approx(lag * slope * change[settled], abs=2.0)
     assert np.abs(added[settled]).max() > 200.0
+
+
+@pytest.mark.parametrize('current', [
+    RAMPS, 4.15e-4 + 0.35e-4 * np.sin(2.0 * np.pi * RAMPS_TIME / 10.0)], ids=['ramps', 'sine'])
+def test_on_a_ramp_the_way_to_go_is_that_of_the_slower_converter(current):
+    """Of one that vents eleven times as slowly: it is further behind than the declared one."""
+    falling = (*np.linspace(-250e3, -1e-3, 6), *np.linspace(1e-3, 250e3, 6))
+    plant = P._replace(discrepancy=Discrepancy(
+        EP_CONVERTER_LAG, BACK_PRESSURE_ERROR, falling, (float(np.log(11.0)),) * 6 + (0.0,) * 6))
+    experiment = seen(plant, None, 1.9e5, current, 3, RAMPS_TIME)
+    rows = np.ones(len(RAMPS_TIME), dtype=bool)
+    problem = Problem(experiment, rows, P, tuple(declared_freedom(P, experiment)))
+    refit = fit(problem)
+    one = next(t for t in terms(experiment.channels) if t.location == EP_CONVERTER_LAG)
+    joint = with_term(problem, refit, one)
+    run = simulate(plant, RAMPS_TIME, current, {'chamber_pressure': 1.9e5})
+    behind = followed(plant, RAMPS_TIME, run.columns)
+    low, high = covered(joint.base.discrepancy)
+    assert low < behind.min() < behind.max() < high
+    found = fit(joint, [joint.start()], 20)
+    assert refit.cost > 20.0 * joint.observed
+    assert found.cost < 1.1 * joint.observed
 
 
 def test_a_transmitter_that_has_reached_its_end_is_a_sensor_that_lacks_something(monkeypatch):

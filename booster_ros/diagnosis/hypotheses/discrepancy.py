@@ -22,6 +22,7 @@ from booster_ros.diagnosis.estimation.parametrisation import Free, put
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy
+from booster_ros.model.ep_converter import QUICKEST, SLOWEST, times_as_slow
 from booster_ros.model.scaling import PAPER, proportion
 from booster_ros.model.system import PositionerParameters
 from booster_ros.model.term_course import followed
@@ -34,6 +35,7 @@ Array = np.ndarray
 # behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
+    (term.EP_CONVERTER_LAG, 1.0, (term.BACK_PRESSURE_ERROR,)),
     (term.BOOSTER, 0.01, (term.BOOSTER_FORCE,)),
     (term.BOOSTER, 0.002, (term.FORCE_PLAY,)),
     (term.SUPPLY, 1e3, (term.TIME,)),
@@ -67,8 +69,19 @@ UNNAMED = 'unknown: '
 """Prefix of the label of a term, where models are listed by their effects."""
 
 _PLACES = {
-    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber'}
+    'pressure_sensor': 'sensor', 'position_sensor': 'sensor', 'chamber_volume': 'chamber',
+    'ep_converter_lag': 'ep_converter'}
 """Locations as reports print them, where they differ from the table's."""
+
+MUCH_SLOWER = times_as_slow(-QUICKEST)
+"""How many times as slow a converter is taken to be, at the most, where it is asked how far its
+back pressure may have to go: about ten."""
+
+CROWDED = 4.0
+"""Power with which knots about zero lie further apart the further off they are."""
+
+LEAST_SIDE = 1e-3
+"""Share of the further end of a variable about zero up to which the nearer end is laid at least."""
 
 
 @dataclass(frozen=True)
@@ -156,8 +169,11 @@ def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
         low, high = _range_followed(problem, reference, p.discrepancy)
-    table = p.discrepancy._replace(knots=tuple(_evenly(low, high).tolist()))
-    knob = Knob('discrepancy.values', one.size, -1e3 * one.size, 1e3 * one.size)
+    spread, least, most = _evenly, -1e3 * one.size, 1e3 * one.size
+    if one.location == term.EP_CONVERTER_LAG:
+        spread, least, most = _about_zero, QUICKEST, SLOWEST
+    table = p.discrepancy._replace(knots=tuple(spread(low, high).tolist()))
+    knob = Knob('discrepancy.values', one.size, least, most)
     # a prior of a size that shows keeps unseen knots near zero, and leaves what stays the same
     # everywhere to the declared parameters, which hold beyond the table too
     values = [Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1)]
@@ -169,6 +185,18 @@ def _evenly(low: float, high: float) -> Array:
     """Return knots at equal distances, shape (KNOTS,), the inner ones from `low` to `high`."""
     spacing = max((high - low) / (KNOTS - 3), ROUNDING * max(abs(low), abs(high)), 1e-12)
     return low + spacing * np.arange(-1.0, KNOTS - 1)
+
+
+def _about_zero(low: float, high: float) -> Array:
+    """
+    Return knots that are dense about zero, shape (KNOTS,), as many below it as above.
+
+    An error fades: most rows have little of it, and rising and falling differ from zero on. Where
+    one side is hardly seen, its knots go as far as LEAST_SIDE of the other.
+    """
+    shares = (np.arange(1.0, KNOTS // 2 + 1) / (KNOTS // 2 - 1))**CROWDED
+    least = LEAST_SIDE * max(abs(low), abs(high), 1.0)
+    return np.r_[-max(-low, least) * shares[::-1], max(high, least) * shares]
 
 
 def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
@@ -226,13 +254,32 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
 
 def _range_followed(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
     """Return the lowest and the highest value of a term's variable in the rows of the problem."""
-    values = _course(problem, reference, table)[problem.rows]
+    if table.variable == term.BACK_PRESSURE_ERROR:
+        p = reference.parameters._replace(discrepancy=table)
+        values = np.concatenate([_simulated_errors(problem.experiment, p, slower)[problem.rows]
+                                 for slower in (1.0, MUCH_SLOWER)])
+    else:
+        values = _course(problem, reference, table)[problem.rows]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
         given = problem.parameters(problem.start())
         run = problem.experiment.simulate(given, reference.initial)
         read = followed(given._replace(discrepancy=table), run['time'], run.columns)
         values = np.r_[values, read[problem.rows]]
     return np.array([np.nanmin(values), np.nanmax(values)])
+
+
+def _simulated_errors(experiment: Experiment, p: PositionerParameters, slower: float) -> Array:
+    """
+    Return how far the back pressure has to go, Pa, shape (n,), if the lag is so many times as long.
+
+    The error is no reading. It is the height of a step whatever the lag, but on a ramp it grows
+    with the lag that is to be found.
+    """
+    ep = p.ep_converter
+    p = p._replace(ep_converter=ep._replace(time_constant=slower * ep.time_constant))
+    # the start of a fit without the term may have gone far to imitate it
+    run = experiment.simulate(p, experiment.initial)
+    return followed(p, experiment.time, run.columns)
 
 
 def _course(problem: Problem, reference: Fit, table: Discrepancy) -> Array:

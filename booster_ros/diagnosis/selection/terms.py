@@ -28,7 +28,8 @@ def best_terms(task: Task, root: Model) -> list[Model]:
     problem = task.problem()
     likely = [one for one in terms(task.experiment.channels, task.declared)
               if one.place in task.places
-              and not (task.experiment.quasi_static and one.variable in term.CHANGE_OF)]
+              and not (task.experiment.quasi_static
+                       and one.variable in (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR))]
     begun = _begun(problem, fit_at(problem, root.fit.z), likely)
     models = []
     for label in sorted(begun, key=lambda name: begun[name][1].cost)[:BEST]:
@@ -52,11 +53,12 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
             lambda one: linear_reach(problem, reference, one), likely)):
         if np.isfinite(reach[0]) and reach[0] < reached.get(one.label, (np.inf,))[0]:
             reached[one.label] = reach
-    order = list(reached)
-    furthest = sorted(order, key=lambda name: reached[name][0])[:BEGUN]
+    furthest = sorted(reached, key=lambda name: reached[name][0])[:BEGUN]
     last = f' over {term.VARIABLES[term.TIME]}'
     begun = {}
-    for label in sorted(furthest, key=lambda name: (name.endswith(last), order.index(name))):
+    for label in sorted(reached, key=lambda name: name.endswith(last)):
         _, joint, slopes = reached[label]
-        begun[label] = joint, fit(joint, [joint.start()], FIRST_STEPS, slopes=slopes)
+        # what a lag does is far from straight: it is tried whatever the reckoning says
+        if label in furthest or joint.base.discrepancy.location == term.EP_CONVERTER_LAG:
+            begun[label] = joint, fit(joint, [joint.start()], FIRST_STEPS, slopes=slopes)
     return begun
