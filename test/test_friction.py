@@ -9,7 +9,7 @@ from made_task import P, RAMPS, RAMPS_TIME, place_of, problem_of, seen, z_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.hypotheses.friction import friction_starts, signature_friction
+from booster_ros.diagnosis.hypotheses.friction import break_away_friction, friction_starts
 from booster_ros.model.catalogue import Knob
 
 TIME, CURRENT = RAMPS_TIME[:3000], RAMPS[:3000]
@@ -25,23 +25,21 @@ def rubbing(sliding, stiction, effect='stem_friction', **others):
 @pytest.mark.parametrize(('sliding', 'stiction'), [(300.0, 100.0), (200.0, 60.0), (500.0, 200.0)])
 def test_a_stem_that_slips_shows_where_it_breaks_away(sliding, stiction):
     problem = rubbing(sliding, stiction)
-    low, high = signature_friction(problem, problem.start())
-    assert high == pytest.approx(sliding + stiction, rel=0.15)
-    assert 0.5 * sliding < low < 1.15 * sliding
+    assert break_away_friction(problem, problem.start()) == pytest.approx(
+        sliding + stiction, rel=0.15)
 
 
 def test_a_stem_that_slides_shows_its_friction():
     problem = rubbing(150.0, 0.0)
-    low, high = signature_friction(problem, problem.start())
-    assert 0.5 * (low + high) == pytest.approx(150.0, rel=0.15)
+    assert break_away_friction(problem, problem.start()) == pytest.approx(150.0, rel=0.15)
 
 
 def test_a_shifted_spring_is_not_held_for_friction():
     """It is pushed one way as much more as it is pushed less the other way."""
     problem = rubbing(300.0, 100.0, bench_set_shift=2e3)
     plain = rubbing(300.0, 100.0)
-    assert signature_friction(problem, problem.start()) == pytest.approx(
-        signature_friction(plain, plain.start()), rel=0.15)
+    assert break_away_friction(problem, problem.start()) == pytest.approx(
+        break_away_friction(plain, plain.start()), rel=0.15)
 
 
 @pytest.mark.parametrize('without', ['chamber_pressure', 'valve_position', 'motion'])
@@ -53,16 +51,16 @@ def test_nothing_is_read_where_pressure_or_motion_is_not_seen(without):
     else:
         del measured[without]
     blind = replace(problem, experiment=replace(problem.experiment, measured=measured))
-    assert signature_friction(blind, blind.start()) is None
+    assert break_away_friction(blind, blind.start()) is None
     assert friction_starts(blind, blind.start())  # the best of the grid are left
 
 
 def test_a_gap_in_a_channel_is_no_motion():
     problem = rubbing(300.0, 100.0)
-    before = signature_friction(problem, problem.start())
+    before = break_away_friction(problem, problem.start())
     for values in problem.experiment.measured.values():
         values[300:400] = np.nan
-    assert signature_friction(problem, problem.start()) == pytest.approx(before, rel=0.1)
+    assert break_away_friction(problem, problem.start()) == pytest.approx(before, rel=0.1)
 
 
 @pytest.mark.parametrize('values', [

@@ -8,15 +8,14 @@ The force on the stem that the chamber pressure leaves beside spring, seat and p
     F = A(x) p - F_spring(x) - c dx/dt,
 
 is what dry friction holds. While a stem creeps one way in slips, F rises until the stem breaks away
-and falls as it slips: a saw-tooth, whose upper end is the break-away friction and whose lower end
-lies at the sliding friction or below. Its moments give both (method of moments): of a saw, which is
-spread evenly, the ends are sqrt(3) standard deviations from the mean; the average over both
+and falls as it slips: a saw-tooth, whose upper end is the break-away friction; how far it falls
+below that hangs on how far it slips. Its moments give the upper end (method of moments): of a saw,
+which is spread evenly, it is sqrt(3) standard deviations from the mean; the average over both
 directions takes out a spring that is preloaded otherwise.
 
 The statistics of windows have several minima over friction. So sliding friction and stiction are
-tried over a grid, beside break-away friction as the moments have it (how far it falls below that
-hangs on how far it slips), for a packing that yields and for one that does not; each trial takes
-one run of the model.
+tried over a grid, with break-away friction as the moments have it among them, for a packing that
+yields and for one that does not; each trial takes one run of the model.
 (Stick-slip of a slowly driven mass: B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083.)
 """
 
@@ -77,9 +76,9 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
 
     larger = proportion(problem.base, 'actuator', 'N')
     forces = [(larger * force, share) for force in SLIDING for share in BREAKING_AWAY]
-    read = signature_friction(problem, z)
+    read = break_away_friction(problem, z)
     if read is not None:
-        forces += [(read[1] / (1.0 + share), share) for share in BREAKING_AWAY]
+        forces += [(read / (1.0 + share), share) for share in BREAKING_AWAY]
     yields = any(free.knob.parameter == _DAMPING for free in problem.freedoms)
     best = tried((*one, damping) for one in forces for damping in DAMPINGS[:None if yields else 1])
     for step in CLOSER:
@@ -109,9 +108,9 @@ def _placed(problem: Problem, z: Array, sliding: float, share: float, damping: f
     return np.clip(moved, *problem.bounds())
 
 
-def signature_friction(problem: Problem, z: Array) -> tuple[float, float] | None:
+def break_away_friction(problem: Problem, z: Array) -> float | None:
     """
-    Return sliding and break-away friction of the counted rows, N, with all else as it is at z.
+    Return the break-away friction of the counted rows, N, with all else as it is at z.
 
     None where pressure or position was not measured, or where too few rows show the stem go.
     """
@@ -133,13 +132,9 @@ def signature_friction(problem: Problem, z: Array) -> tuple[float, float] | None
         blurred = p.actuator.effective_area * np.hypot(
             experiment.noise['chamber_pressure'],
             (high - low) / p.actuator.travel * experiment.noise['valve_position'])
-        reach = float(np.sqrt(3.0 * max(np.var(held) - blurred**2, 0.0)))
-        middle = float(np.mean(held))
-        ends.append((max(middle - reach, 0.0), max(middle + reach, 0.0)))
-    if not ends or not np.any(ends):
-        return None
-    low, high = np.mean(ends, axis=0)
-    return float(low), float(high)
+        reach = np.sqrt(3.0 * max(np.var(held) - blurred**2, 0.0))
+        ends.append(max(float(np.mean(held) + reach), 0.0))
+    return float(np.mean(ends)) if np.any(ends) else None
 
 
 def _rows_going(problem: Problem, position: Array, act: Actuator, way: float
