@@ -15,6 +15,7 @@ from booster_ros.model.simulation import simulate
 from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
 from booster_ros.report.names import positive_is
+from booster_ros.report.notes import notes
 from booster_ros.report.parameter_files import write_parameter_files
 from booster_ros.report.unknown_term import unknown_rivals
 from booster_ros.report.wording import verdict_sentences, verdict_title
@@ -171,3 +172,18 @@ def test_terms_that_do_as_well_are_said():
     said = 'A term in supply over time explains this record as well.'
     assert said in verdict_sentences(rivalled)
     assert said in html_page(rivalled, FROM)
+
+
+def test_a_declared_term_that_gave_way_to_another_is_named():
+    bare = DECLARED
+    declared, another = (bare._replace(discrepancy=discrepancy.Discrepancy(
+        place, values=(size,) * discrepancy.KNOTS)) for place, size in (
+            (discrepancy.STEM, 9.0), (discrepancy.CHAMBER, 1e-6)))
+
+    def said(given, found):
+        return [note for note in notes(replace(unknown_found(), declared=given, after=found))
+                if 'took its place' in note]
+
+    assert said(bare, another) == said(declared, declared) == []
+    (note,) = said(declared, another)
+    assert 'stem over time' in note
