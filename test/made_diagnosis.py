@@ -22,7 +22,6 @@ from booster_ros.diagnosis.result import (
     Refitted,
     Refused,
     Suspect,
-    UnknownTerm,
 )
 from booster_ros.diagnosis.judging.validation import validated
 from booster_ros.model import discrepancy
@@ -110,7 +109,7 @@ FRICTION = FoundEffect(
     {'misfit_without': 388.0, 'misfit_with': 1.02, 'log_evidence': 4e4, 'gain': 3.9e4,
      'gain_standard_error': 2e3, 'dispersion': 1.3}, 'confirmed', 0.99)
 
-TERM = UnknownTerm(BENT.discrepancy)
+TERM = BENT.discrepancy
 
 
 @cache

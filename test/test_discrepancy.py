@@ -34,10 +34,9 @@ def table_of(experiment: Experiment, label: str, rows=None, memory: float = 12.0
     """Return the table that a term is to be fitted with, on these rows."""
     seen_rows = np.ones(len(experiment.time), dtype=bool) if rows is None else rows
     problem = Problem(experiment, seen_rows, P, tuple(declared_freedom(P, experiment)))
-    one = next(t for t in terms(experiment.channels) if t.label == label)
-    return with_term(problem, fit_at(problem, problem.start()),
-                     replace(one, memory=memory if 'change' in label else one.memory),
-                     seen_rows).base.discrepancy
+    one = next(t for t in terms(experiment.channels)
+               if t.label == label and (t.past is None or t.past.typical == memory))
+    return with_term(problem, fit_at(problem, problem.start()), one).base.discrepancy
 
 
 def wider(gaps=()) -> Experiment:
@@ -60,9 +59,9 @@ def test_a_missing_value_costs_no_range_of_a_change():
     simulated = wider()
     del simulated.measured['valve_position']
     problem = Problem(simulated, np.ones(len(TIME), dtype=bool), P, ())
-    one = next(t for t in terms(wider().channels) if t.label == CHANGING)
-    narrow = with_term(problem, fit_at(problem, problem.start()), replace(one, memory=12.0),
-                       np.ones(len(TIME), dtype=bool)).base.discrepancy
+    one = next(t for t in terms(wider().channels)
+               if t.label == CHANGING and t.past.typical == 12.0)
+    narrow = with_term(problem, fit_at(problem, problem.start()), one).base.discrepancy
     assert np.ptp(covered(narrow)) < 0.9 * np.ptp(covered(whole))
 
 
@@ -103,7 +102,7 @@ def test_rows_of_a_sweep_are_no_time_to_forget_in(swept, monkeypatch):
     experiment = prepare(record_of(swept_columns() if swept else timed_columns()), DECLARED)
     tried_labels = []
 
-    def noted(problem, reference, one, rows):
+    def noted(problem, reference, one):
         tried_labels.append(one.label)
         return np.inf, problem, np.empty(0)  # it reaches nowhere, so that none is fitted
 
@@ -165,7 +164,7 @@ def test_on_a_ramp_the_way_to_go_is_that_of_the_slower_converter(current):
     problem = Problem(experiment, rows, P, tuple(declared_freedom(P, experiment)))
     refit = fit(problem)
     one = next(t for t in terms(experiment.channels) if t.location == EP_CONVERTER_LAG)
-    joint = with_term(problem, refit, one, rows)
+    joint = with_term(problem, refit, one)
     run = simulate(plant, MINUTE, current, {'chamber_pressure': 1.9e5})
     behind = followed(plant, MINUTE, run.columns)
     low, high = covered(joint.base.discrepancy)
@@ -213,7 +212,7 @@ def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():
     free = tuple(declared_freedom(DECLARED, experiment))
     problem = Problem(experiment, rows, DECLARED, free)
     over_time = next(one for one in terms(experiment.channels) if one.variable == OVER_TIME)
-    joint = with_term(problem, fit_at(problem, problem.start()), over_time, rows)
+    joint = with_term(problem, fit_at(problem, problem.start()), over_time)
     table = joint.base.discrepancy
     spacing = table.knots[-1] - table.knots[-2]
     assert table.knots[-1] <= experiment.time[rows][-1] + spacing
@@ -221,18 +220,17 @@ def test_a_table_ends_where_the_rows_end_that_it_was_fitted_to():
 
 
 def test_a_table_covers_what_was_measured_and_not_where_a_model_without_it_stays():
-    """Also between the fitted rows: beyond its range it is zero, and what follows would suffer."""
+    """Beyond its range it is zero, and what follows would suffer."""
     columns = timed_columns()
     columns['valve_position'] *= 1.5
     experiment = prepare(record_of(columns), DECLARED)
     measured = experiment.measured['valve_position']
-    rows = measured < np.median(measured)
+    rows = np.ones(len(measured), dtype=bool)
     free = tuple(declared_freedom(DECLARED, experiment))
     problem = Problem(experiment, rows, DECLARED, free)
     over_travel = next(one for one in terms(experiment.channels)
                        if one.label == 'chamber over valve_position')
-    joint = with_term(
-        problem, fit_at(problem, problem.start()), over_travel, np.ones(len(rows), dtype=bool))
+    joint = with_term(problem, fit_at(problem, problem.start()), over_travel)
     table = joint.base.discrepancy
     spacing = np.diff(table.knots)
     assert spacing == pytest.approx(spacing[0])

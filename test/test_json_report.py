@@ -11,6 +11,7 @@ from made_report import FROM
 import pytest
 
 from booster_ros.diagnosis.result import ChannelError, TraceStep
+from booster_ros.diagnosis.selection.decide import Comparison
 from booster_ros.report.json_report import VERSION, json_text
 
 
@@ -66,9 +67,11 @@ def test_json_writes_null_for_what_is_no_number():
 
 
 def test_each_step_of_the_selection_is_written_with_its_figures():
-    step = TraceStep(('chamber_leak',), (), 1.02, 812.5, 790.25, 31.5, 1.25, 'accepted')
-    last = TraceStep(('chamber_leak', 'dead_time'), ('chamber_leak',), 1.01, -2.5, float('nan'),
-                     0.5, 1.25, 'the evidence for it is not enough')
+    step = TraceStep(('chamber_leak',), (), 1.02, Comparison(812.5, 790.25, 31.5, 700.0, 1.25),
+                     'accepted')
+    last = TraceStep(('chamber_leak', 'dead_time'), ('chamber_leak',), 1.01,
+                     Comparison(-2.5, float('nan'), 0.5, -3.0, 1.25),
+                     'the evidence for it is not enough')
     report = json.loads(json_text(replace(nothing_found(), trace=(step, last)), FROM))
     assert report['trace'][0] == {
         'effects': ['chamber_leak'], 'against': [], 'reduced_chi2': 1.02, 'log_evidence': 812.5,

@@ -24,7 +24,7 @@ def windows_of(rows):
 def test_rows_are_what_is_left_of_each():
     windows = windows_of(150)
     scaled = np.arange(150.0)
-    (found,) = ROWS.of([windows], [scaled])
+    found = ROWS.of(windows, scaled)
     assert np.array_equal(found, scaled)
     (rows,) = ROWS.first_rows(windows)
     assert np.array_equal(rows, np.arange(150))
@@ -32,7 +32,7 @@ def test_rows_are_what_is_left_of_each():
 
 def test_windows_are_a_mean_and_a_strength_of_each():
     windows = windows_of(150)
-    (found,) = WINDOWS.of([windows], [np.full(150, 2.0)])
+    found = WINDOWS.of(windows, np.full(150, 2.0))
     assert found[:3] == pytest.approx(2.0 * np.sqrt(50.0))  # in standard deviations of a mean
     assert len(found) == 6
     means, strengths = WINDOWS.first_rows(windows)
@@ -42,7 +42,7 @@ def test_windows_are_a_mean_and_a_strength_of_each():
 
 def test_a_window_too_short_for_a_strength_has_no_residual_of_one():
     windows = windows_of(105)  # five rows in the last
-    (found,) = WINDOWS.of([windows], [np.zeros(105)])
+    found = WINDOWS.of(windows, np.zeros(105))
     assert len(found) == 3 + 2
     assert [len(series) for series in WINDOWS.first_rows(windows)] == [3, 2]
 

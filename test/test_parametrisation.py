@@ -21,6 +21,7 @@ from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.diagnosis.pipeline import _refitted, diagnose
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.report.notes import notes
 
 
 def test_the_range_of_a_bench_holds_no_place_where_its_parameters_stand_still():
@@ -87,7 +88,7 @@ def test_a_declared_parameter_that_ends_at_its_limit_is_pointed_out():
         assert gain.at_limit is (factor > BENCH_RANGE)
         expected = min(factor, BENCH_RANGE) * gain.given
         assert gain.after == pytest.approx(expected, rel=0.02)
-        said = [note for note in found.notes if note.startswith('booster.opening_gain went from')]
+        said = [note for note in notes(found) if note.startswith('booster.opening_gain went from')]
         assert len(said) == gain.at_limit
         assert not area.at_limit
-        assert not any('max_area' in note for note in found.notes)
+        assert not any('max_area' in note for note in notes(found))

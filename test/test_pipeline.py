@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Short diagnoses from end to end, and what a pipeline says beside them."""
+"""Short diagnoses from end to end of the pipeline."""
 
 from dataclasses import replace
 
@@ -8,11 +8,9 @@ from made_task import P, steps_seen
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis import pipeline
 from booster_ros.diagnosis.data.blocks import rows_of, split
 from booster_ros.diagnosis.pipeline import diagnose
 from booster_ros.diagnosis.estimation.parametrisation import put
-from booster_ros.model.discrepancy import CHAMBER, KNOTS, STEM, Discrepancy
 from booster_ros.records import RecordError
 
 LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2, 4.0, 4.3])
@@ -47,9 +45,9 @@ def test_each_step_of_the_selection_is_in_the_trace(leaking):
     found, _ = leaking
     step = [one for one in found.trace if one.outcome == 'accepted'][-1]
     assert (step.effects, step.against) == (('chamber_leak',), ())
-    assert step.log_evidence > 100.0
-    assert step.gain > 2.0 * step.gain_standard_error > 0.0
-    assert 1.0 <= step.dispersion < 2.0
+    assert step.found.log_evidence > 100.0
+    assert step.found.gain > 2.0 * step.found.gain_standard_error > 0.0
+    assert 1.0 <= step.found.dispersion < 2.0
     assert step.reduced_chi2 < 1.15
     chosen, *others = sorted(found.suspects, key=lambda one: one.reason != 'chosen')
     assert chosen.effects == ('chamber_leak',)
@@ -79,11 +77,3 @@ def test_a_record_without_a_value_to_fit_or_to_judge_by_is_refused(role, purpose
         name: np.where(gone, np.nan, values) for name, values in experiment.measured.items()})
     with pytest.raises(RecordError, match=f'no row to {purpose} by'):
         diagnose(empty, P, names=())
-
-
-def test_a_declared_term_that_gave_way_to_another_is_named():
-    declared = P._replace(discrepancy=Discrepancy(STEM, values=(9.0,) * KNOTS))
-    another = P._replace(discrepancy=Discrepancy(CHAMBER, values=(1e-6,) * KNOTS))
-    assert pipeline._replaced(P, another) == pipeline._replaced(declared, declared) == ()
-    (note,) = pipeline._replaced(declared, another)
-    assert 'stem over time' in note

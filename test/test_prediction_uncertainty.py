@@ -25,9 +25,9 @@ LARGE = np.array([4.6, 3.4, 4.4, 3.5, 4.6, 3.4])
 """Steps (0.1 mA) that open no seat of the booster as far as it goes, and steps that do."""
 
 
-def made(models, one_off=None, observation=ROWS):
+def made(models, observation=ROWS):
     """Return models that are not asked which of them meets what is missed."""
-    return Alike(models, one_off or {}, P, (), np.empty(0), seen(P), np.empty(0), observation.name)
+    return Alike(models, P, (), np.empty(0), seen(P), np.empty(0), observation.name)
 
 
 def errors(experiment, run):
@@ -43,15 +43,12 @@ def test_what_is_left_open_is_the_root_mean_square_of_what_models_differ_by():
     def off_by(*pressures):
         return tuple((put(P, 'sensors.pressure_bias', one), start) for one in pressures)
 
-    models = made(off_by(300.0, -400.0), {'much': off_by(-300.0, 300.0),
-                                          'little': off_by(-200.0, 200.0)})
+    models = made(off_by(300.0, -400.0))
     found = with_left_open(
         errors(experiment, run), experiment, run, models, everywhere(experiment), start)
     pressure, position = found['chamber_pressure'], found['valve_position']
     assert pressure.left_open == pytest.approx(np.sqrt((300.0**2 + 400.0**2) / 2.0), rel=1e-6)
-    assert list(pressure.mostly) == ['much']
     assert position.left_open == 0.0
-    assert position.mostly == {}
     assert errors(experiment, run)['chamber_pressure'].after == pressure.after
     turned = replace(experiment, measured=dict(reversed(experiment.measured.items())))
     again = with_left_open(errors(turned, run), turned, run, models, everywhere(turned), start)
@@ -113,7 +110,7 @@ def test_what_no_step_of_a_record_needed_is_open_where_another_one_needs_it():
     run = other.predict(last.fit.parameters)
     for name, error in judged(other, last, models).items():
         assert error.met  # this valve is as declared
-        assert list(error.mostly) == ['booster.max_area']
+        assert error.mostly == {}
         off = [other.predict(put(P, 'booster.max_area', share * P.booster.max_area))[name]
                for share in (0.94, 1.06)]
         missed = np.sqrt(np.mean((np.array(off) - run[name])**2))
@@ -193,19 +190,6 @@ def test_where_nothing_is_known_of_other_models_the_errors_stay_as_they_are():
                           everywhere(experiment)) == errors(experiment, run)
 
 
-def test_what_others_have_to_make_up_for_is_not_asked_alone():
-    experiment = seen(P)
-    last = fitted(experiment)
-    names = [label(free) for free in last.problem.freedoms]
-    gain, limit = (names.index(name) for name in ('ep_converter.gain', 'booster.max_area'))
-    rng = np.random.default_rng(1)
-    draws = np.tile(last.fit.z, (400, 1))
-    step = 1.5 * np.sqrt(10.0) / np.linalg.norm(last.fit.jacobian[:, gain])
-    draws[:, gain] += step * rng.choice([-1.0, 1.0], 400)
-    draws[:, limit] += rng.standard_normal(400)
-    assert list(models_alike(replace(last, draws=draws)).one_off) == ['booster.max_area']
-
-
 def test_no_model_is_beyond_the_bounds():
     experiment = seen(P)
     last = fitted(experiment)
@@ -214,8 +198,7 @@ def test_no_model_is_beyond_the_bounds():
     draws[:, limit] += np.where(np.arange(400) % 8 < 4, 0.0, 99.0)
     models = models_alike(replace(last, draws=draws))
     highest = last.problem.freedoms[limit].knob.high
-    both = [*models.models, *models.one_off['booster.max_area']]
-    assert max(p.booster.max_area for p, _ in both) == pytest.approx(highest)
+    assert max(p.booster.max_area for p, _ in models.models) == pytest.approx(highest)
 
 
 def test_of_slips_the_size_alone_is_compared():

@@ -9,7 +9,7 @@ from made_report import FROM, Page
 
 from booster_ros.diagnosis.result import Interval, Refitted, Suspect
 from booster_ros.report.html_report import html_page
-from booster_ros.report.tables import declared_table, effect_table, shown_suspects
+from booster_ros.report.tables import declared_table, effect_table, hardly_told, shown_suspects
 
 
 def test_what_is_reported_is_among_the_suspects_wherever_it_ranks():
@@ -48,7 +48,7 @@ def test_declared_parameters_have_intervals_and_those_that_are_hardly_told_are_m
     moved = replace(open_yet, away_after=-2.5)
     alone = replace(told, low=float('nan'), high=float('nan'), width=float('nan'))
     cornered = replace(alone, at_limit=True)
-    assert [one.hardly_told for one in (told, open_yet, moved, alone)] == [
+    assert [hardly_told(one) for one in (told, open_yet, moved, alone)] == [
         False, True, False, False]
     stages = {'after': 'refitted'}
     assert '401.9 to 402.1 kPa' in Page(declared_table((told,), stages)).texts

@@ -10,12 +10,12 @@ from made_report import FROM, Page, made_page
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.result import UnknownTerm
 from booster_ros.model import discrepancy
 from booster_ros.model.simulation import simulate
 from booster_ros.report.html_report import html_page
 from booster_ros.report.json_report import json_text
 from booster_ros.report.names import positive_is
+from booster_ros.report.notes import notes
 from booster_ros.report.parameter_files import write_parameter_files
 from booster_ros.report.unknown_term import unknown_rivals
 from booster_ros.report.wording import verdict_sentences, verdict_title
@@ -67,7 +67,7 @@ def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
 
 def test_an_unnamed_term_over_time_is_not_to_be_varied():
     diagnosis = unknown_found()
-    term = UnknownTerm(diagnosis.unknown.table._replace(variable=discrepancy.TIME))
+    term = diagnosis.unknown._replace(variable=discrepancy.TIME)
     page = Page(html_page(replace(diagnosis, unknown=term), FROM))
     assert 'record the same currents again' in page.text
     assert 'vary the time' not in page.text
@@ -79,7 +79,7 @@ def test_an_unnamed_term_over_time_is_not_to_be_varied():
 def unknown_over(table):
     """Return the unknown found with another table in the model."""
     return replace(unknown_found(), after=BENT._replace(discrepancy=table),
-                   unknown=UnknownTerm(table))
+                   unknown=table)
 
 
 def test_an_unnamed_term_over_a_change_says_what_it_forgets_and_asks_for_a_step():
@@ -172,3 +172,18 @@ def test_terms_that_do_as_well_are_said():
     said = 'A term in supply over time explains this record as well.'
     assert said in verdict_sentences(rivalled)
     assert said in html_page(rivalled, FROM)
+
+
+def test_a_declared_term_that_gave_way_to_another_is_named():
+    bare = DECLARED
+    declared, another = (bare._replace(discrepancy=discrepancy.Discrepancy(
+        place, values=(size,) * discrepancy.KNOTS)) for place, size in (
+            (discrepancy.STEM, 9.0), (discrepancy.CHAMBER, 1e-6)))
+
+    def said(given, found):
+        return [note for note in notes(replace(unknown_found(), declared=given, after=found))
+                if 'took its place' in note]
+
+    assert said(bare, another) == said(declared, declared) == []
+    (note,) = said(declared, another)
+    assert 'stem over time' in note

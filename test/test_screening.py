@@ -77,7 +77,7 @@ def promised(plant, effect, frequencies):
     problem = task_of(seen(plant)).problem()
     reference = reference_at(problem, fit_at(problem, problem.start()))
     found = screen(problem, [reference], effect, frequencies, (0.25,))
-    return found.problem.parameters(found.starts[0])
+    return found.problem.parameters(found.starts[0][1])
 
 
 def test_a_new_effect_that_repeats_itself_is_tried_at_the_frequencies_that_were_found(monkeypatch):
@@ -140,9 +140,10 @@ def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_rec
         put(P, 'booster.exhaust_gain_ratio', 0.6), STEPS[:8], 1.7e5, seed=7))
     refit = fit(problem)
     found = screen(problem, references(problem, refit), 'exhaust_asymmetry')
-    assert list(found.costs) == sorted(found.costs)
+    costs = [cost for cost, *_ in found.starts]
+    assert costs == sorted(costs)
     ended = first_steps(problem, found)
     assert ended.cost == pytest.approx(float(np.sum(found.problem.residuals(ended.z)**2)))
     assert ended.cost < 0.5 * refit.cost
     low, high = found.problem.bounds()
-    assert all((low <= z).all() and (z <= high).all() for z in found.starts)
+    assert all((low <= z).all() and (z <= high).all() for _, z, _ in found.starts)

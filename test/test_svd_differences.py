@@ -13,13 +13,14 @@ from booster_ros.diagnosis.estimation.fit import fit as best_fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.estimation.uncertainty import Interval, block_bootstrap, interval_of
-from booster_ros.diagnosis.estimation.svd_differences import at_the_bottom, slopes_along_axes
-from booster_ros.diagnosis.result import FoundEffect, either
+from booster_ros.diagnosis.estimation.final_fit import at_the_bottom, slopes_along_axes
+from booster_ros.diagnosis.result import FoundEffect
 from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
+from booster_ros.report.notes import either
 
 FROM = Provenance('valve.csv', 'positioner.yaml')
 NAMES = ('ep_converter.offset', 'booster.intake_preload', 'booster.exhaust_preload')

@@ -21,22 +21,20 @@ from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
 from booster_ros.diagnosis.estimation.uncertainty import AT_BOUND, at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
-from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, label_of, place_of
-from booster_ros.diagnosis.hypotheses.knots import with_gentle_ends
-from booster_ros.diagnosis.hypotheses.discrepancy import beyond
+from booster_ros.diagnosis.hypotheses.discrepancy import (
+    UNNAMED, beyond, place_of, with_gentle_ends)
 from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, UnknownTerm,
-    either, errors_of)
+    ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, errors_of)
 from booster_ros.diagnosis.selection.decide import LARGE, TIE, Comparison, compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.stepwise import (
     Progress, Selection, comparison, explained, select)
 from booster_ros.diagnosis.selection.task import PLACES, Model, Task, near_best
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.model.discrepancy import NONE
+from booster_ros.model.discrepancy import VARIABLES, covered
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
@@ -107,10 +105,10 @@ def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
     after, runs, errors = judged(selection.chosen)
     if not _unnamed(selection.chosen) or stands(errors):
         return selection.chosen, after, runs, None
-    table = UnknownTerm(after.fit.parameters.discrepancy)
-    outside = beyond(table.seen, experiment, after.fit.parameters, after.fit.initial)
+    table = after.fit.parameters.discrepancy
+    outside = beyond(covered(table), experiment, after.fit.parameters, after.fit.initial)
     refused = Refused(
-        place_of(table.table.location), table.variable,
+        place_of(table.location), VARIABLES[table.variable],
         {name: error.after for name, error in errors.items() if np.isfinite(error.after)},
         float(np.mean(outside[test])))
     return selection.named, *judged(selection.named)[:2], refused
@@ -127,14 +125,14 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
     test = rows_of(task.segments, 'test', size)
     errors, held_out = (errors_of(experiment, runs, rows) for rows in (
         rows_of(task.segments, 'train', size), test))
-    unknown = UnknownTerm(after.fit.parameters.discrepancy) if _unnamed(chosen) else None
+    unknown = after.fit.parameters.discrepancy if _unnamed(chosen) else None
     decided, suspect = refused is not None, selection.chosen
     if not chosen.effects and refused is None and chosen.reduced_chi2 > LARGE:
         refused, suspect = _pointed_at(selection)
     verdict = 'effect' if chosen.effects else 'none'
     effects: tuple[FoundEffect, ...] = ()
     if unknown is not None:
-        verdict, place = 'unknown', place_of(unknown.table.location)
+        verdict, place = 'unknown', place_of(unknown.location)
         effects = (_nameless(place, selection, chosen, held_out),)
     elif chosen.effects:
         effects = tuple(_found(task, selection, chosen, after, held_out, name)
@@ -142,20 +140,17 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
     elif refused is not None:  # what the term was made for is there all the same
         verdict, effects = 'unknown', (_nameless(
             refused.location, selection, suspect, held_out),)
-    refitted = _refitted(task, before, after)
     # where the record is not met, what is missing would pass for left open
     told = all(one.met for one in errors.values() if np.isfinite(one.after))
     models = models_alike(after) if told else None
     return Diagnosis(
         verdict, effects, unknown, errors,
         with_left_open(held_out, experiment, runs['after'], models, test),
-        _suspects(selection, chosen), refitted, task.declared, before.fit.parameters,
-        after.fit.parameters, experiment, tuple(task.segments), runs,
-        (*notes, *_cornered(refitted), *filter(None, map(either, effects)),
-         *_replaced(task.declared, after.fit.parameters),
-         *chance(experiment, after.fit.parameters, after.fit.initial, 'this record')),
+        _suspects(selection, chosen), _refitted(task, before, after), task.declared,
+        before.fit.parameters, after.fit.parameters, experiment, tuple(task.segments), runs, notes,
         refused=refused, start=after.fit.initial, decided=decided, alike=models,
-        trace=selection.trace)
+        trace=selection.trace,
+        chance=chance(experiment, after.fit.parameters, after.fit.initial))
 
 
 def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:
@@ -164,8 +159,8 @@ def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:
     if not terms:
         return None, selection.chosen
     nearest = min(terms, key=lambda one: one.reduced_chi2)
-    table = UnknownTerm(nearest.fit.parameters.discrepancy)
-    return Refused(place_of(table.table.location), table.variable, None, 0.0), nearest
+    table = nearest.fit.parameters.discrepancy
+    return Refused(place_of(table.location), VARIABLES[table.variable], None, 0.0), nearest
 
 
 def _suspects(selection: Selection, chosen: Model) -> tuple[Suspect, ...]:
@@ -206,8 +201,7 @@ def _found(task: Task, selection: Selection, chosen: Model, after: FinalFit,
 def _evidence(chosen: Model, without: Model, said: Comparison) -> dict[str, float]:
     """Return the figures on which a finding rests."""
     return {'misfit_without': without.reduced_chi2, 'misfit_with': chosen.reduced_chi2,
-            'log_evidence': said.log_evidence, 'gain': said.gain,
-            'gain_standard_error': said.standard_error, 'dispersion': said.dispersion}
+            **said.figures()}
 
 
 def _without(selection: Selection, chosen: Model, name: str) -> Model:
@@ -231,23 +225,6 @@ def _nameless(place: str, selection: Selection, term: Model, held_out: dict[str,
         standing(share, term.reduced_chi2, False, stands(held_out)), share)
 
 
-def _cornered(refitted: tuple[Refitted, ...]) -> tuple[str, ...]:
-    """Return a sentence for each declared parameter that ended at a limit of the refit."""
-    return tuple(
-        f'{one.name} went from {one.given:.4g} to {one.after:.4g} {one.unit}, the end of what a '
-        'refit allows: its value is no measurement, and the model may lack something else'
-        for one in refitted if one.at_limit)
-
-
-def _replaced(declared: PositionerParameters, found: PositionerParameters) -> tuple[str, ...]:
-    """Return a sentence where a term without a name took the place of one that was declared."""
-    had, has = declared.discrepancy, found.discrepancy
-    if had.location == NONE or has == had:
-        return ()
-    return (f'the declared term without a name ({label_of(had.location, had.variable)}) is no '
-            'longer in the model: a model holds one, and the one that was found took its place',)
-
-
 def _at_limit(free: Free, z: float) -> bool:
     """Tell whether a declared parameter ended at either end of what a refit allows."""
     return any(abs(z - end) < AT_BOUND * abs(end) for end in (free.low, free.high))
@@ -255,11 +232,8 @@ def _at_limit(free: Free, z: float) -> bool:
 
 def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, ...]:
     rows = []
-    places = {(free.knob.parameter, free.element): j
-              for j, free in enumerate(after.problem.freedoms)}
-    for free in task.freedoms:
+    for j, free in enumerate(task.freedoms):
         name, element = free.knob.parameter, free.element
-        j = places[name, element]
         looser = after.problem.freedoms[j]  # its prior may be looser beside an effect
         z = looser.variable(get(after.fit.parameters, name, element))
         at_limit = _at_limit(looser, z)

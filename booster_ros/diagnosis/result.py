@@ -12,8 +12,6 @@ from booster_ros.diagnosis.data.blocks import Segment
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.diagnosis.selection.decide import TraceStep
-from booster_ros.model import discrepancy as term
-from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
 
@@ -40,75 +38,6 @@ class FoundEffect:
     explained: float = float('nan')
 
 
-def either(effect: FoundEffect) -> str:
-    """Return a sentence where each of several sizes may be none, but not all at once, else ''."""
-    if effect.name not in EFFECTS:
-        return ''
-    sizes = [knob for knob in EFFECTS[effect.name].knobs
-             if not knob.shape and knob.parameter in effect.parameters]
-    intervals = [effect.parameters[knob.parameter] for knob in sizes]
-    if len(sizes) < 2 or not all(
-            found.holds_none(knob) for knob, found in zip(sizes, intervals)):
-        return ''
-    return (f'{" and ".join(knob.parameter for knob in sizes)}: each may be none, but not all: '
-            'this record shows what they do together, with declared parameters beside them')
-
-
-@dataclass(frozen=True)
-class UnknownTerm:
-    """A discrepancy without a name: a table over one variable in one component, SI units."""
-
-    table: Discrepancy
-
-    @property
-    def location(self) -> str:
-        """The component that it enters."""
-        return term.LOCATIONS[self.table.location]
-
-    @property
-    def unit(self) -> str:
-        """Unit of what it adds to that component."""
-        return term.LOCATION_UNITS[self.table.location]
-
-    @property
-    def variable(self) -> str:
-        """The variable that it depends on."""
-        return term.VARIABLES[self.table.variable]
-
-    @property
-    def variable_unit(self) -> str:
-        """Unit of the variable."""
-        return term.VARIABLE_UNITS[self.table.variable]
-
-    @property
-    def memory(self) -> float | None:
-        """Time over which the variable is a change, s; None where the variable is no change."""
-        return self.table.memory if term.forgets(self.table) else None
-
-    @property
-    def reach(self) -> float | None:
-        """Half the width of the play in which the variable is a place, N; None without a play."""
-        return self.table.reach if term.has_play(self.table) else None
-
-    @property
-    def seen(self) -> tuple[float, float]:
-        """The range of the variable in the record; the outermost knots lie beyond it, at zero."""
-        return term.covered(self.table)
-
-    @property
-    def knots(self) -> Array:
-        """Values of the variable at which the table has values of its own, shape (term.KNOTS,)."""
-        return np.array(self.table.knots)
-
-    @property
-    def values(self) -> Array:
-        """What the term adds at each knot, shape (term.KNOTS,), the part of a play included."""
-        added = np.array(self.table.values)
-        if self.reach is not None:
-            added -= self.reach * np.clip(self.knots, -1.0, 1.0)
-        return added
-
-
 AS_GOOD_AS_MEASURED = 1.3
 """Ratio of error to noise up to which a model is called as good as the measurement."""
 
@@ -123,9 +52,9 @@ class ChannelError:
 
     `left_open` is the standard uncertainty of what the last model predicts that comes of
     parameters left open by the record, and `unforeseen` is what is left of `after` beyond it. Both
-    are NaN where the record was not met, or too few models were found that meet it. `mostly` are
-    the parameters that make most of `left_open` by themselves, each with the value that leaves
-    `unforeseen`, NaN if there is none.
+    are NaN where the record was not met, or too few models were found that meet it. `mostly` has
+    the parameter that makes most of the way to the model that leaves `unforeseen`, with its value
+    there, and is empty if there is none.
     """
 
     unit: str
@@ -153,13 +82,11 @@ class Alike:
     """
     Models, each with its start, that suit a record as well as the one that was found.
 
-    `one_off` are, by the name of a parameter, the model found with this parameter off to either
-    side and all others as they are. The model found is `base` with the values `z` of what was
-    free, fitted to the marked rows of the experiment, as `observation` compares the two.
+    The model found is `base` with the values `z` of what was free, fitted to the marked rows of the
+    experiment, as `observation` compares the two.
     """
 
     models: tuple[tuple[PositionerParameters, Initial], ...]
-    one_off: Mapping[str, tuple[tuple[PositionerParameters, Initial], ...]]
     base: PositionerParameters
     freedoms: tuple[Free, ...]
     z: Array
@@ -240,10 +167,6 @@ class Suspect:
     reason: str
 
 
-HARDLY_TOLD = 0.8
-"""Width of the interval of a parameter, relative to that of its tolerance, above which a record
-hardly tells the parameter."""
-
 FAR_OFF = 2.0
 """Number of standard deviations, of a tolerance or of what is left open, that is more than chance:
 a record does tell a parameter that it has moved so far."""
@@ -274,11 +197,6 @@ class Refitted:
     high: float = float('nan')
     width: float = float('nan')
 
-    @property
-    def hardly_told(self) -> bool:
-        """Whether the record tells it hardly closer than it was known before."""
-        return self.width > HARDLY_TOLD and abs(self.away_after) < FAR_OFF
-
 
 @dataclass(frozen=True)
 class FalseAdd:
@@ -302,19 +220,40 @@ class FalseAdd:
 
 
 @dataclass(frozen=True)
+class OtherRecord:
+    """
+    What there is to say of a record that only judges, beside the errors in it.
+
+    `beyond` is the share of its rows that go beyond the range in which the term without a name was
+    seen, `opened` the share in which a seat is open as far as it goes, of seats that never were in
+    the first record. `chance` is that of `Diagnosis`.
+    """
+
+    notes: tuple[str, ...]
+    drives: tuple[str, ...]
+    channels: tuple[str, ...]
+    beyond: float
+    opened: dict[str, float]
+    chance: dict[str, float]
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """
     The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
 
-    `refused` is a term without a name that did not stand, and is not in the model; `start` is
-    where `after` begins, None for the start of the experiment. `decided` says that the verdict
-    would be another one without the test set. `alike` are models that suit the record as well
-    as `after`, None where they were not sought or too few were found.
+    `unknown` is the table of a term without a name that was added. `refused` is one that did not
+    stand, and is not in the model; `start` is where `after` begins, None for the start of the
+    experiment. `decided` says that the verdict would be another one without the test set. `alike`
+    are models that suit the record as well as `after`, None where they were not sought or too few
+    were found. `chance` is, by channel, by how many standard deviations of the noise two runs of
+    `after` with nearly the same drives differ, empty where they do not. `notes` say what was
+    dropped, mended or assumed.
     """
 
     verdict: str
     effects: tuple[FoundEffect, ...]
-    unknown: UnknownTerm | None
+    unknown: Discrepancy | None
     error: dict[str, ChannelError]
     held_out: dict[str, ChannelError]
     suspects: tuple[Suspect, ...]
@@ -327,6 +266,7 @@ class Diagnosis:
     runs: dict[str, dict[str, Array]] = field(repr=False)
     notes: tuple[str, ...] = ()
     validation: dict[str, ChannelError] = field(default_factory=dict)
+    other: OtherRecord | None = None
     false_add: FalseAdd | None = None
     refused: Refused | None = None
     start: Initial | None = None
@@ -334,6 +274,7 @@ class Diagnosis:
     change: Change | None = None
     alike: Alike | None = field(default=None, repr=False)
     trace: tuple[TraceStep, ...] = ()
+    chance: dict[str, float] = field(default_factory=dict)
 
     @property
     def added(self) -> bool:

@@ -156,7 +156,7 @@ def _of_what_is_open(errors: Mapping[str, ChannelError], diagnosis: Diagnosis, t
     if a_part:
         said.append(f'Of what is left in {channel_listing(a_part)} a part may come of parameters '
                     f'that are hardly told: {_models_apart(a_part, told_by)}.')
-    by_one = _mostly(missed)
+    by_one = listing(list(dict.fromkeys(one for e in missed.values() for one in e.mostly)))
     if said and by_one:
         said.append(f'A record that tells {by_one}, or a closer value from elsewhere, would settle '
                     'that.')
@@ -165,9 +165,7 @@ def _of_what_is_open(errors: Mapping[str, ChannelError], diagnosis: Diagnosis, t
 
 def _models_apart(errors: Mapping[str, ChannelError], told_by: str) -> str:
     apart = listing([_in_noises(name, e, e.left_open) for name, e in errors.items()])
-    by_one = _mostly(errors)
-    return (f'models that meet {told_by} as well differ from this one there by {apart}'
-            + (f', most of it by {by_one}' if by_one else ''))
+    return f'models that meet {told_by} as well differ from this one there by {apart}'
 
 
 def _beyond(errors: Mapping[str, ChannelError]) -> str:
@@ -175,7 +173,7 @@ def _beyond(errors: Mapping[str, ChannelError]) -> str:
 
 
 def _with_values(errors: Mapping[str, ChannelError], diagnosis: Diagnosis) -> str:
-    """Return the values of single parameters that make most of what is left open, if any do."""
+    """Return the values of the parameters that make most of the way to what is left, if any do."""
     values = {one: value for e in errors.values() for one, value in e.mostly.items()}
     now = {one.name: one for one in diagnosis.refitted}
     changes = [f'{name} at {scale.text(value, digits)} instead of {scale.text(after, digits)}'
@@ -184,10 +182,6 @@ def _with_values(errors: Mapping[str, ChannelError], diagnosis: Diagnosis) -> st
                for scale in [common_scale(now[name].unit, (value, after))]
                for digits in [digits_apart(value, after)]]
     return f', with {listing(changes)}' if changes else ''
-
-
-def _mostly(errors: Mapping[str, ChannelError]) -> str:
-    return listing(list(dict.fromkeys(one for e in errors.values() for one in e.mostly)))
 
 
 def sentences_on_other_record(diagnosis: Diagnosis) -> list[str]:

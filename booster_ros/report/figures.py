@@ -6,13 +6,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 import numpy as np
 
-from booster_ros.diagnosis.result import ChannelError, UnknownTerm
+from booster_ros.diagnosis.result import ChannelError
 from booster_ros.report.engineering import scale_of
 from booster_ros.report.figure_style import blank
 from booster_ros.report.names import channel_label
 from booster_ros.report.thinning import thin
 from booster_ros.report.tones import AFTER, BEFORE, MEASURED, NOISE
 from booster_ros.report.view import View, axis_label
+from booster_ros.report.unknown_term import UnknownTerm
 
 Array = np.ndarray
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import COMMANDS, Experiment
 from booster_ros.diagnosis.prepare.timing import commands_may_be_late
-from booster_ros.diagnosis.result import Diagnosis, FoundEffect, either
+from booster_ros.diagnosis.result import Diagnosis, FoundEffect
 from booster_ros.report import figures, interactive
 from booster_ros.report.engineering import number, scale_of, si_text
 from booster_ros.report.explanation import best_explanation, explained_share
@@ -25,7 +25,8 @@ from booster_ros.report.view import VARIABLES, View
 from booster_ros.report.errors import scored
 from booster_ros.report.names import (
     capital, channel_label, effect_label, listing, place_label, positive_is)
-from booster_ros.report.unknown_term import unknown_experiment, unknown_rivals
+from booster_ros.report.notes import either, notes
+from booster_ros.report.unknown_term import unknown_experiment, unknown_of, unknown_rivals
 from booster_ros.report.wording import (
     SCALING, verdict_sentences, verdict_title, with_what_was_added)
 
@@ -131,7 +132,7 @@ def _residuals(view: View) -> str:
                       'hint'),
             plot(interactive.residuals_over_variable(view, variables), 'explained',
                  'Residuals of both models over the variable that explains them best')]
-    elif view.diagnosis.unknown is not None and view.diagnosis.unknown.variable == 'time':
+    elif (unknown := unknown_of(view.diagnosis)) is not None and unknown.variable == 'time':
         content.append(paragraph('It follows the time, over which it is drawn.', 'hint'))
     else:
         content.append(paragraph('No single variable explains a tenth of it.', 'hint'))
@@ -146,7 +147,7 @@ def _percent(part: float) -> str:
 
 def _explaining(view: View, name: str) -> str | None:
     """Return the unnamed term's variable, or the one over which the residual is clearest."""
-    unknown = view.diagnosis.unknown
+    unknown = unknown_of(view.diagnosis)
     if unknown is not None and unknown.variable != 'time':
         return unknown.variable
     states = {variable: view.states[variable] for variable in VARIABLES}
@@ -170,7 +171,7 @@ def _signature(view: View) -> str:
 
 
 def _unknown(view: View) -> str:
-    term = view.diagnosis.unknown
+    term = unknown_of(view.diagnosis)
     if term is None:
         return ''
     over, size = scale_of(term.variable_unit), scale_of(term.unit)
@@ -225,10 +226,10 @@ def _undecided(diagnosis: Diagnosis) -> str:
     items = []
     for effect in diagnosis.effects if diagnosis.added else ():
         rivals = listing([effect_label(name) for name in effect.confused_with], 'or')
-        if diagnosis.unknown is not None:
+        if (unknown := unknown_of(diagnosis)) is not None:
             items.append(' '.join([
                 *unknown_rivals(diagnosis),
-                f'To find its cause: {unknown_experiment(diagnosis.unknown)}.']))
+                f'To find its cause: {unknown_experiment(unknown)}.']))
         elif effect.confused_with:
             items.append(f'{capital(effect_label(effect.name))} or {rivals}? This record '
                          f'cannot decide. It would take: {effect.separating_experiment}.')
@@ -279,9 +280,9 @@ def _record(view: View, provenance: Provenance) -> str:
         f'Noise, {_source_of_noise(experiment)}: {noise}.',
         _split(view),
     ]
-    notes = diagnosis.notes or ('Nothing was dropped or mended.',)
+    said = notes(diagnosis) or ('Nothing was dropped or mended.',)
     return section('The record', bullets(facts),
-                   '<h3>What was dropped, mended or assumed</h3>', bullets(notes))
+                   '<h3>What was dropped, mended or assumed</h3>', bullets(said))
 
 
 def _drive(name: str) -> str:

@@ -10,9 +10,10 @@ from typing import Any
 
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FalseAdd, FoundEffect, UnknownTerm)
+    ChannelError, Diagnosis, FalseAdd, FoundEffect)
+from booster_ros.report.notes import notes
 from booster_ros.report.provenance import Provenance
-from booster_ros.report.unknown_term import unknown_experiment
+from booster_ros.report.unknown_term import UnknownTerm, unknown_experiment, unknown_of
 from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
 
 
@@ -32,8 +33,8 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
         'version': VERSION,
         'verdict': diagnosis.verdict,
         'summary': ' '.join([f'{verdict_title(diagnosis)}.', *verdict_sentences(diagnosis)]),
-        'effects': [_effect(effect, diagnosis.unknown) for effect in diagnosis.effects],
-        'unknown': _unknown(diagnosis.unknown),
+        'effects': [_effect(effect, unknown_of(diagnosis)) for effect in diagnosis.effects],
+        'unknown': _unknown(unknown_of(diagnosis)),
         'refused': diagnosis.refused and asdict(diagnosis.refused),
         'change': diagnosis.change and asdict(diagnosis.change),
         'error': _errors(diagnosis.error),
@@ -43,7 +44,10 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
         'suspects': [
             {'effects': list(s.effects), 'misfit': s.misfit, 'reason': s.reason}
             for s in diagnosis.suspects],
-        'trace': [asdict(step) for step in diagnosis.trace],
+        'trace': [
+            {'effects': list(step.effects), 'against': list(step.against),
+             'reduced_chi2': step.reduced_chi2, **step.found.figures(), 'outcome': step.outcome}
+            for step in diagnosis.trace],
         'declared_parameters': {
             r.name: {'given': r.given, 'before': r.before, 'after': r.after, 'spread': r.spread,
                      'low': r.low, 'high': r.high, 'unit': r.unit, 'at_limit': r.at_limit}
@@ -54,7 +58,7 @@ def report_values(diagnosis: Diagnosis, provenance: Provenance) -> dict[str, Any
             {'from': float(diagnosis.experiment.time[s.first]),
              'to': float(diagnosis.experiment.time[s.last - 1]), 'role': s.role}
             for s in diagnosis.segments],
-        'notes': list(diagnosis.notes),
+        'notes': list(notes(diagnosis)),
     }
 
 

@@ -7,7 +7,7 @@ from html import escape
 import math
 
 from booster_ros.diagnosis.result import (
-    ChannelError, Diagnosis, FoundEffect, Refitted, Suspect)
+    FAR_OFF, ChannelError, Diagnosis, FoundEffect, Refitted, Suspect)
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.report.engineering import (
     Scale, common_scale, digits_apart, interval_text, number, scale_of, si_scale, si_text)
@@ -16,6 +16,10 @@ from booster_ros.report.errors import error_scale
 from booster_ros.report.names import channel_label, effect_label
 
 MOST_SUSPECTS = 12
+
+HARDLY_TOLD = 0.8
+"""Width of the interval of a parameter, relative to that of its tolerance, above which a record
+hardly tells the parameter."""
 
 
 def error_table(
@@ -129,6 +133,11 @@ def declared_table(refitted: tuple[Refitted, ...], stages: Mapping[str, str]) ->
     return table(['declared parameter', 'as given', *stages.values(), '95 % interval'], rows)
 
 
+def hardly_told(one: Refitted) -> bool:
+    """Tell whether the record tells a parameter hardly closer than it was known before."""
+    return one.width > HARDLY_TOLD and abs(one.away_after) < FAR_OFF
+
+
 def _interval_cell(one: Refitted, scale: Scale) -> str:
     """Return the interval of a declared parameter, and whether the record tells it at all."""
     if not math.isfinite(one.high - one.low):
@@ -136,4 +145,4 @@ def _interval_cell(one: Refitted, scale: Scale) -> str:
     digits = max(4, digits_apart(one.low, one.high))
     return number_cell(
         interval_text(scale, one.low, one.high, digits),
-        'hardly told by this record' if one.hardly_told else '')
+        'hardly told by this record' if hardly_told(one) else '')

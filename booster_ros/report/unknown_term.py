@@ -2,12 +2,81 @@
 # SPDX-License-Identifier: Apache-2.0
 """A term without a name in sentences: what it is, what else it may be, what would show it."""
 
-from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused, UnknownTerm
+from dataclasses import dataclass
+
+import numpy as np
+
+from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused
+from booster_ros.model import discrepancy as term
+from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.ep_converter import times_as_slow
 from booster_ros.report.engineering import common_scale, number, scale_of
 from booster_ros.report.errors import unseen
 from booster_ros.report.names import (
     channel_label, effect_label, listing, place_label, positive_is)
+
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class UnknownTerm:
+    """A discrepancy without a name: a table over one variable in one component, SI units."""
+
+    table: Discrepancy
+
+    @property
+    def location(self) -> str:
+        """The component that it enters."""
+        return term.LOCATIONS[self.table.location]
+
+    @property
+    def unit(self) -> str:
+        """Unit of what it adds to that component."""
+        return term.LOCATION_UNITS[self.table.location]
+
+    @property
+    def variable(self) -> str:
+        """The variable that it depends on."""
+        return term.VARIABLES[self.table.variable]
+
+    @property
+    def variable_unit(self) -> str:
+        """Unit of the variable."""
+        return term.VARIABLE_UNITS[self.table.variable]
+
+    @property
+    def memory(self) -> float | None:
+        """Time over which the variable is a change, s; None where the variable is no change."""
+        return self.table.memory if term.forgets(self.table) else None
+
+    @property
+    def reach(self) -> float | None:
+        """Half the width of the play in which the variable is a place, N; None without a play."""
+        return self.table.reach if term.has_play(self.table) else None
+
+    @property
+    def seen(self) -> tuple[float, float]:
+        """The range of the variable in the record; the outermost knots lie beyond it, at zero."""
+        return term.covered(self.table)
+
+    @property
+    def knots(self) -> Array:
+        """Values of the variable at which the table has values of its own, shape (term.KNOTS,)."""
+        return np.array(self.table.knots)
+
+    @property
+    def values(self) -> Array:
+        """What the term adds at each knot, shape (term.KNOTS,), the part of a play included."""
+        added = np.array(self.table.values)
+        if self.reach is not None:
+            added -= self.reach * np.clip(self.knots, -1.0, 1.0)
+        return added
+
+
+def unknown_of(diagnosis: Diagnosis) -> UnknownTerm | None:
+    """Return the term without a name that was added, None without one."""
+    return UnknownTerm(diagnosis.unknown) if diagnosis.unknown else None
 
 
 def sentence_on_unknown(unknown: UnknownTerm) -> str:

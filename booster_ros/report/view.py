@@ -14,6 +14,7 @@ from booster_ros.model.term_course import followed
 from booster_ros.model import discrepancy
 from booster_ros.report.engineering import Scale, scale_of
 from booster_ros.report.names import channel_label
+from booster_ros.report.unknown_term import unknown_of
 from booster_ros.report.wording import with_what_was_added
 
 Array = np.ndarray
@@ -98,7 +99,7 @@ class View:
     @cached_property
     def states(self) -> dict[str, Array]:
         """What the better model says of everything a residual may depend on, SI."""
-        experiment, unknown = self.diagnosis.experiment, self.diagnosis.unknown
+        experiment, unknown = self.diagnosis.experiment, unknown_of(self.diagnosis)
         start = self.diagnosis.start or experiment.initial
         run = experiment.simulate(self.diagnosis.after, start)
         states = {name: run[name] for name in ('time', *VARIABLES)}

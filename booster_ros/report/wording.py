@@ -16,7 +16,7 @@ from booster_ros.report.errors import (
 from booster_ros.report.names import (
     capital, channel_label, channel_listing, effect_label, listing, place_label)
 from booster_ros.report.unknown_term import (
-    sentence_on_unknown, sentences_on_refused, unknown_rivals)
+    sentence_on_unknown, sentences_on_refused, unknown_of, unknown_rivals)
 
 SCALING = (
     'Scaling effective area, dead volume, opening gain and largest area of the booster (A, V0, k, '
@@ -126,7 +126,8 @@ def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict == 'unknown' and diagnosis.refused is not None:
         return [sentence_on_misses(diagnosis), *sentences_on_refused(diagnosis.refused, diagnosis)]
     if diagnosis.verdict == 'unknown':
-        sentences = [sentence_on_unknown(diagnosis.unknown)] if diagnosis.unknown else []
+        unknown = unknown_of(diagnosis)
+        sentences = [sentence_on_unknown(unknown)] if unknown else []
         return [*sentences, *sentences_on_gain(diagnosis), *sentences_on_rest(diagnosis),
                 *unknown_rivals(diagnosis)]
     sentences = []
@@ -206,6 +207,7 @@ def _calibration(found: FalseAdd) -> str:
 
 
 def _unknown_place(diagnosis: Diagnosis) -> str:
-    if diagnosis.unknown is not None:
-        return diagnosis.unknown.location
+    unknown = unknown_of(diagnosis)
+    if unknown is not None:
+        return unknown.location
     return diagnosis.effects[0].location if diagnosis.effects else 'the model'

@@ -1,19 +1,30 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The final estimate of a chosen model: every training row, to the very end, and how sure it is."""
+"""
+The final estimate of a chosen model: every training row, to the very end, and how sure it is.
 
-from dataclasses import dataclass
+Where variables do nearly the same they make a valley, as the E/P converter's offset and the
+preloads of both seats do: only the prior of the offset tells where in it a fit has to end. So
+slopes are formed along its axes at last, and a step goes to its bottom.
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.least_squares import SETTLED
 from booster_ros.diagnosis.estimation.observation import ROWS
+from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.svd_differences import at_the_bottom
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 
 Array = np.ndarray
+
+ROUNDS = 3
+"""Times that axes are formed from the slopes along those before: two leave a valley with slopes of
+0.4 where its own are 0.005, on processors whose rounding begins them with 8."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +75,61 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
         z = z.copy()
         z[j] = problem.freedoms[j].without_size
     return found if z is found.z else fit_at(problem, z, found.jacobian)
+
+
+def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
+    """
+    Return d(residuals)/dz at z by differences along the principal axes of a Jacobian.
+
+    `here` are the residuals at z, `columns` their Jacobian there by one-sided differences.
+
+    Columns of one-sided differences bend by a percent over their steps. Where variables do nearly
+    the same, that percent is more than what differs between them, and what the rows cannot tell
+    looks as if they told it well. Along an axis the step is as long as is needed to see that axis.
+
+    A size that is none stands at its bound. Where a bound is in the way on one side of an axis,
+    the difference is formed on the other, of second order. Where bounds are in the way on both,
+    variables that would go over theirs are left out of the step, and their own columns count.
+
+    The axes of a Jacobian that is a percent off are off as well. So it is done again with what came
+    of it, ROUNDS times in all.
+    """
+    for _ in range(ROUNDS):
+        columns = _along_axes(problem, z, here, columns)
+    return columns
+
+
+def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
+    residuals = problem.residuals
+    low, high = problem.bounds()
+    moving = np.flatnonzero(columns.any(axis=0))
+    _, lengths, axes = np.linalg.svd(columns[:, moving], full_matrices=False)
+    steps = problem.steps_for(lengths)
+
+    def within(moved: Array) -> bool:
+        return bool(np.all((low <= moved) & (moved <= high)))
+
+    def along(k: int) -> Array:
+        step = np.zeros(len(z))
+        step[moving] = steps[k] * axes[k]
+        over = (z - np.abs(step) < low) | (z + np.abs(step) > high)
+        inwards = next((side for side in (1.0, -1.0) if within(z + 2.0 * side * step)), None)
+        if over.any() and inwards:
+            ahead, further = residuals(z + inwards * step), residuals(z + 2.0 * inwards * step)
+            return inwards * (4.0 * ahead - further - 3.0 * here) / (2.0 * steps[k])
+        free = np.where(over, 0.0, step)
+        change = residuals(z + free) - residuals(z - free)
+        return (0.5 * change + columns @ (step - free)) / steps[k]
+
+    slopes = columns.copy()
+    slopes[:, moving] = np.transpose(side_by_side(along, range(len(axes)))) @ axes
+    return slopes
+
+
+def at_the_bottom(problem: Problem, found: Fit) -> Fit:
+    """Return the fit with `slopes_along_axes`, a Gauss-Newton step further if that is better."""
+    slopes = slopes_along_axes(problem, found.z, found.residuals, found.jacobian)
+    low, high = problem.bounds()
+    step = lsq_linear(slopes, -found.residuals, (low - found.z, high - found.z)).x
+    further = fit_at(problem, found.z + step, slopes)
+    return further if further.cost < found.cost else replace(found, jacobian=slopes)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Initial
-from booster_ros.diagnosis.estimation.inactive import place_beyond
 from booster_ros.diagnosis.estimation.least_squares import CONVERGED, Descent, descend
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
@@ -60,9 +59,7 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
 
     A descent ends where cost and variables change by less than `tolerance` (relative), or after so
     many evaluations: after FIRST_STEPS it tells which way things go, and is no estimate. `slopes`
-    is a Jacobian to begin with, which need not be quite that of the starts. From the best end
-    another descent begins where a declared parameter that moves nothing there would begin to move
-    something (`inactive`).
+    is a Jacobian to begin with, which need not be quite that of the starts.
     """
     low, high = problem.bounds()
     margin = 1e-6 * np.minimum(high - low, 1.0)
@@ -74,20 +71,7 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
 
     best = min(map(descended, starts if len(starts) else [problem.start()]),
                key=lambda end: end.cost)
-    if evaluations > FIRST_STEPS:
-        beyond = place_beyond(problem.residuals, best.z, best.jacobian, _inactive(problem, best),
-                              (low, high))
-        if beyond is not None:
-            best = min(best, descended(beyond), key=lambda end: end.cost)
     return fit_at(problem, best.z, best.jacobian)
-
-
-def _inactive(problem: Problem, end: Descent) -> dict[int, float]:
-    """Return which declared parameters move nothing that is observed, and their tolerances."""
-    # a Jacobian that was corrected by steps has next to nothing in their columns, not nothing
-    faint = np.linalg.norm(end.jacobian[:problem.observed], axis=0) < NOTICEABLE
-    asked = [j for j, free in enumerate(problem.freedoms) if np.isfinite(free.sigma) and faint[j]]
-    return {j: problem.freedoms[j].sigma for j in problem.idle(asked, end.z)}
 
 
 def carried(target: Problem, *sources: Fit) -> Array:

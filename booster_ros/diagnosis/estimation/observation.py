@@ -13,10 +13,9 @@ Both take what the model leaves of the readings, in standard deviations of the n
 channel, and return what a fit minimises the squares of.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -104,56 +103,28 @@ class Windows:
         return curves
 
 
-class Observation(Protocol):
-    """What of the readings counts; `visible` is the change of it that shows above its roughness."""
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """
+    What of the readings of a channel counts.
 
-    @property
-    def name(self) -> str:
-        """What plain data call it by."""
+    `of` makes its residuals of the scaled residuals of its rows. `first_rows` are, of each series
+    of them, the first of the counted rows each is from: within a series residuals may be
+    autocorrelated. `visible` is the change of the residuals (norm) that a difference has to make,
+    to show above their roughness.
+    """
 
-    @property
-    def visible(self) -> float:
-        """The change of the residuals (norm) that a difference has to make."""
-
-    def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:
-        """Return the residuals of each channel, from the scaled residuals of its rows."""
-
-    def first_rows(self, windows: Windows) -> list[Array]:
-        """
-        Return of each series of a channel's residuals the first of the counted rows each is from.
-
-        Within a series residuals may be autocorrelated; means and strengths are a series each.
-        """
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """Every reading counts by itself."""
-
-    name: str = 'rows'
+    name: str
+    of: Callable[[Windows, Array], Array] = field(repr=False)
+    first_rows: Callable[[Windows], list[Array]] = field(repr=False)
     visible: float = 1.0
 
-    def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:
-        return list(scaled)
 
-    def first_rows(self, windows: Windows) -> list[Array]:
-        return [np.arange(len(windows.time))]
+ROWS = Observation('rows', lambda windows, scaled: scaled,
+                   lambda windows: [np.arange(len(windows.time))])
+"""Every reading counts by itself."""
 
-
-@dataclass(frozen=True)
-class _WindowStatistics:
-    """Means and logarithms of variances of windows count."""
-
-    name: str = 'windows'
-    visible: float = 100.0
-
-    def of(self, windows: Sequence[Windows], scaled: Sequence[Array]) -> list[Array]:
-        return [np.concatenate([one.means(each), one.strengths(each)])
-                for one, each in zip(windows, scaled)]
-
-    def first_rows(self, windows: Windows) -> list[Array]:
-        return [windows.first, windows.first[windows.told]]
-
-
-ROWS: Observation = _Rows()
-WINDOWS: Observation = _WindowStatistics()
+WINDOWS = Observation(
+    'windows', lambda windows, scaled: np.append(windows.means(scaled), windows.strengths(scaled)),
+    lambda windows: [windows.first, windows.first[windows.told]], visible=100.0)
+"""Means and logarithms of variances of windows count; slips make them rough on short ways."""

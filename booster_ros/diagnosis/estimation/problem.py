@@ -108,7 +108,7 @@ class Problem:
 
     def residuals(self, z: Array) -> Array:
         """Return the residuals of what is observed, followed by those of what is known before."""
-        observed = self.observation.of(self.windows, self.scaled(z))
+        observed = map(self.observation.of, self.windows, self.scaled(z))
         return np.concatenate([*observed, z[self.known] / self.sigma[self.known]])
 
     def cost(self, z: Array) -> float:

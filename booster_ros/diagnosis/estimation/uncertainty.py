@@ -8,7 +8,6 @@ import numpy as np
 from scipy.optimize import brentq, lsq_linear
 from scipy.stats import chi2
 
-from booster_ros.diagnosis.data.blocks import FEWEST_BLOCKS
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
@@ -22,10 +21,6 @@ DRAWS = 400
 
 LEVEL = 0.95
 """Confidence of intervals, and of decisions: the usual one."""
-
-FEW, IN_FEW = 3, 0.9
-"""Number of segments, and share of what is known of the size of an effect: where so few segments
-hold more than this share, segments are cut as well."""
 
 WIDEST = 30.0
 """Standard deviation of a size before anything is seen of it, in typical sizes."""
@@ -75,54 +70,37 @@ def block_bootstrap(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
     the time is the same drift while it is young, and where the size is none the shape means
     nothing.
     """
-    label = _blocks(problem, fit, block_of_row)
+    label = block_of_row[np.concatenate(problem.first_rows)]
     residual, jacobian, data = fit.residuals, fit.jacobian, problem.observed
-    blocks = np.unique(label)
-    size = len(fit.z)
-    gradients = np.zeros((len(blocks), size))
-    hessians = np.zeros((len(blocks), size, size))
-    for b, k in enumerate(blocks):
-        mask = np.flatnonzero(label == k)
-        gradients[b] = jacobian[mask].T @ residual[mask]
-        hessians[b] = jacobian[mask].T @ jacobian[mask]
+    blocks = [np.flatnonzero(label == k) for k in np.unique(label)]
+    gradients = np.array([jacobian[rows].T @ residual[rows] for rows in blocks])
+    hessians = np.array([jacobian[rows].T @ jacobian[rows] for rows in blocks])
     prior = jacobian[data:]
-    prior_hessian = prior.T @ prior
-    rng = np.random.default_rng(1)
-    draws = np.empty((DRAWS, size))
     # sizes are held to their typical order: else one that hardly shows in a draw could be anything
-    ridge = np.eye(size) / WIDEST**2
-    pull = ridge @ fit.z
+    ridge = np.eye(len(fit.z)) / WIDEST**2
+    rng = np.random.default_rng(1)
+    several = [(np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks)),
+                residual[data:] + rng.standard_normal(len(prior))) for _ in range(DRAWS)]
+
+    def system(counts: Array, centres: Array, which: Array) -> tuple[Array, Array]:
+        """Return Hessian and gradient over some variables, of blocks that count so often."""
+        hessian = np.tensordot(counts, hessians, 1) + prior.T @ prior + ridge
+        gradient = counts @ gradients + prior.T @ centres + ridge @ fit.z
+        return hessian[np.ix_(which, which)], gradient[which]
+
+    def drawn(which: Array) -> Array:
+        """Return draws of some variables with all else as it was found."""
+        steps = np.array([np.linalg.solve(*system(*one, which)) for one in several])
+        whole = system(np.ones(len(blocks)), residual[data:], which)
+        room = np.array(problem.bounds()) - fit.z
+        return np.asarray(fit.z[which] - steps + _held_back(*whole, room[:, which]))
+
+    draws = drawn(np.arange(len(fit.z)))
     shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
-    rest = np.setdiff1d(np.arange(size), shapes)
-    for d in range(DRAWS):
-        counts = np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks))
-        centres = residual[data:] + rng.standard_normal(len(prior))
-        gradient = counts @ gradients + prior.T @ centres + pull
-        hessian = np.tensordot(counts, hessians, 1) + prior_hessian + ridge
-        draws[d] = fit.z - np.linalg.solve(hessian, gradient)
-        if shapes:
-            draws[d, rest] = fit.z[rest] - np.linalg.solve(
-                hessian[np.ix_(rest, rest)], gradient[rest])
-    gradient = gradients.sum(axis=0) + prior.T @ residual[data:] + pull
-    hessian = hessians.sum(axis=0) + prior_hessian + ridge
-    room = np.array(problem.bounds()) - fit.z
-    held = _held_back(hessian, gradient, room)
     if shapes:
-        held[rest] = _held_back(hessian[np.ix_(rest, rest)], gradient[rest], room[:, rest])
-    return draws + held
-
-
-def _blocks(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
-    """Return the block of every observed residual; cut into parts where few of them tell."""
-    rows = np.concatenate(problem.first_rows)
-    label = block_of_row[rows]
-    if not _shows_in_few(problem, fit, label):
-        return label
-    finer = np.empty(len(block_of_row), dtype=int)
-    for block in np.unique(block_of_row):
-        own = np.flatnonzero(block_of_row == block)
-        finer[own] = block * FEWEST_BLOCKS + np.arange(len(own)) * FEWEST_BLOCKS // len(own)
-    return finer[rows]
+        rest = np.setdiff1d(np.arange(len(fit.z)), shapes)
+        draws[:, rest] = drawn(rest)
+    return draws
 
 
 def _held_back(hessian: Array, gradient: Array, room: Array) -> Array:
@@ -140,21 +118,6 @@ def _held_back(hessian: Array, gradient: Array, room: Array) -> Array:
     if np.all((room[0] <= free) & (free <= room[1])):
         return np.zeros(len(free))
     return np.asarray(lsq_linear(lengths[:, None] * axes.T, aim, (room[0], room[1])).x - free)
-
-
-def _shows_in_few(problem: Problem, fit: Fit, label: Array) -> bool:
-    """
-    Tell whether what is known of the size of an effect comes from few blocks.
-
-    If a stem reaches its seat twice, say, one or more of 20 draws are without these blocks, know
-    nothing of the size, and would call any trace chance.
-    """
-    sizes = [j for j, free in enumerate(problem.freedoms)
-             if not free.knob.shape and not np.isfinite(free.sigma) and fit.seen[j]]
-    known = fit.jacobian[:len(label), sizes]**2
-    by_block = np.array([known[label == k].sum(axis=0) for k in np.unique(label)])
-    in_few = np.sort(by_block, axis=0)[-FEW:].sum(axis=0)
-    return bool((in_few > IN_FEW * by_block.sum(axis=0)).any())
 
 
 def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> Interval:

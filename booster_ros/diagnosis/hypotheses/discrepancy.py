@@ -18,8 +18,7 @@ from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
-from booster_ros.diagnosis.estimation.parametrisation import Free
-from booster_ros.diagnosis.hypotheses.knots import about_zero, evenly
+from booster_ros.diagnosis.estimation.parametrisation import Free, put
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.discrepancy import KNOTS, Discrepancy
@@ -62,6 +61,10 @@ WIDER = 10.0
 """How many times as short or as long as those that are tried a fitted memory or half-width may
 be."""
 
+ROUNDING = 1e-6
+"""Share of a variable that hardly changes, by which knots are apart: rounding shifts none over
+another."""
+
 UNNAMED = 'unknown: '
 """Prefix of the label of a term, where models are listed by their effects."""
 
@@ -74,20 +77,25 @@ MUCH_SLOWER = times_as_slow(-QUICKEST)
 """How many times as slow a converter is taken to be, at the most, where it is asked how far its
 back pressure may have to go: about ten."""
 
+CROWDED = 4.0
+"""Power with which knots about zero lie further apart the further off they are."""
+
+LEAST_SIDE = 1e-3
+"""Share of the further end of a variable about zero up to which the nearer end is laid at least."""
+
 
 @dataclass(frozen=True)
 class Term:
     """
     A place for a discrepancy: component, variable, a size that shows.
 
-    And its past, where it has one: `memory` is that of a change, s, `reach` that of a play, N.
+    And its past, where it has one: the memory of a change, s, or the reach of a play, N.
     """
 
     location: int
     variable: int
     size: float
-    memory: float = Discrepancy().memory
-    reach: float = Discrepancy().reach
+    past: Knob | None = None
 
     @property
     def place(self) -> str:
@@ -132,73 +140,100 @@ def _larger(declared: PositionerParameters, location: int) -> float:
 
 def _with_pasts(one: Term, larger: float) -> list[Term]:
     """Return the term with each past that is tried; itself where it has none."""
+    tried: tuple[float, ...]
     if one.variable in term.CHANGE_OF:
-        return [replace(one, memory=memory) for memory in TIMES_OF_MEMORY]
-    if one.variable == term.FORCE_PLAY:
-        return [replace(one, reach=larger * reach) for reach in REACHES]
-    return [one]
+        name, tried = 'memory', TIMES_OF_MEMORY
+    elif one.variable == term.FORCE_PLAY:
+        name, tried = 'reach', tuple(larger * reach for reach in REACHES)
+    else:
+        return [one]
+    return [replace(one, past=Knob(
+        f'discrepancy.{name}', each, min(tried) / WIDER, WIDER * max(tried), each, shape=True))
+            for each in tried]
 
 
-def with_term(problem: Problem, reference: Fit, one: Term, seen: Array) -> Problem:
+def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
     """
-    Return the problem with the table's inner values free, over the range in the rows `seen`.
+    Return the problem with the table's inner values and its past free, over the range in its rows.
 
     The range is that of the variable as measured, where it can be: a model without the term may
     stay within half of that. What a sensor lacks may hide part of the range, as where it has
     reached its end: for its terms, the range that the parameters as given lead through counts as
-    well. `seen` has to include the rows between the fitted ones as well: the table is zero beyond
-    its range, and a run that leaves the range comes back with a chamber that knows nothing of the
-    term. For a play, it is that of the play itself.
+    well. The table is zero beyond its range, and a run that leaves the range comes back with a
+    chamber that knows nothing of the term. For a play, it is that of the play itself.
     """
-    empty = Discrepancy(one.location, one.variable, memory=one.memory, reach=one.reach)
+    p, past = problem.base._replace(discrepancy=Discrepancy(one.location, one.variable)), []
+    if one.past is not None:
+        begin = one.past.typical
+        p, past = put(p, one.past.parameter, begin), [Free(one.past, begin, begin)]
     low, high = -1.0, 1.0
     if one.variable != term.FORCE_PLAY:
-        low, high = range_followed(problem, reference, empty, seen)
-    spread, least, most = evenly, -1e3 * one.size, 1e3 * one.size
+        low, high = _range_followed(problem, reference, p.discrepancy)
+    spread, least, most = _evenly, -1e3 * one.size, 1e3 * one.size
     if one.location == term.EP_CONVERTER_LAG:
-        spread, least, most = about_zero, QUICKEST, SLOWEST
-    table = empty._replace(knots=tuple(spread(low, high).tolist()))
+        spread, least, most = _about_zero, QUICKEST, SLOWEST
+    table = p.discrepancy._replace(knots=tuple(spread(low, high).tolist()))
     knob = Knob('discrepancy.values', one.size, least, most)
     # a prior of a size that shows keeps unseen knots near zero, and leaves what stays the same
     # everywhere to the declared parameters, which hold beyond the table too
-    values_free = tuple(
-        Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1))
+    values = [Free(knob, 0.0, one.size, 1.0, element) for element in range(1, KNOTS - 1)]
     return replace(problem, base=problem.base._replace(discrepancy=table),
-                   freedoms=problem.freedoms + values_free)
+                   freedoms=(*problem.freedoms, *values, *past))
 
 
-def with_free_past(joint: Problem, z: Array) -> tuple[Problem, Array]:
-    """Return problem and z with the memory of a change, or the reach of a play, free as well."""
-    table = joint.base.discrepancy
-    tried: tuple[float, ...]
-    if table.variable in term.CHANGE_OF:
-        name, begin, tried = 'memory', table.memory, TIMES_OF_MEMORY
-    elif term.has_play(table):
-        larger = _larger(joint.base, term.BOOSTER)
-        name, begin, tried = 'reach', table.reach, tuple(larger * reach for reach in REACHES)
-    else:
-        return joint, z
-    where = len(joint.freedoms)
-    free = Free(Knob(f'discrepancy.{name}', begin, min(tried) / WIDER, WIDER * max(tried), begin,
-                     shape=True), begin, begin)
-    return replace(joint, freedoms=(*joint.freedoms, free)), np.insert(z, where, 0.0)
+def _evenly(low: float, high: float) -> Array:
+    """Return knots at equal distances, shape (KNOTS,), the inner ones from `low` to `high`."""
+    spacing = max((high - low) / (KNOTS - 3), ROUNDING * max(abs(low), abs(high)), 1e-12)
+    return low + spacing * np.arange(-1.0, KNOTS - 1)
 
 
-def linear_reach(problem: Problem, reference: Fit, one: Term, seen: Array
-                 ) -> tuple[float, Problem, Array]:
+def _about_zero(low: float, high: float) -> Array:
+    """
+    Return knots that are dense about zero, shape (KNOTS,), as many below it as above.
+
+    An error fades: most rows have little of it, and rising and falling differ from zero on. Where
+    one side is hardly seen, its knots go as far as LEAST_SIDE of the other.
+    """
+    shares = (np.arange(1.0, KNOTS // 2 + 1) / (KNOTS // 2 - 1))**CROWDED
+    least = LEAST_SIDE * max(abs(low), abs(high), 1.0)
+    return np.r_[-max(-low, least) * shares[::-1], max(high, least) * shares]
+
+
+def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
+    """
+    Return the problem with a table that fades to zero no more steeply than it runs as fitted.
+
+    A leak that grows along the travel does not vanish just beyond the last position seen: a valve
+    that goes there would meet a step which no record showed. No fade is longer than the range that
+    was seen. Over a play the table stays as it is: nothing is beyond a play.
+    """
+    table = fit.parameters.discrepancy
+    if term.has_play(table):
+        return problem
+    knots, inner = np.array(table.knots[1:-1]), np.array(table.values[1:-1])
+    covers = knots[-1] - knots[0]
+    steepest = max(float(np.abs(np.diff(inner) / np.diff(knots)).max()), 1e-300)
+    below, above = (float(np.clip(abs(end) / steepest, covers / (KNOTS - 3), covers))
+                    for end in inner[[0, -1]])
+    table = problem.base.discrepancy._replace(knots=tuple(
+        np.r_[knots[0] - below, knots, knots[-1] + above].tolist()))
+    return replace(problem, base=problem.base._replace(discrepancy=table))
+
+
+def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Problem, Array]:
     """
     Return what a term can reach by linear reckoning.
 
     That is the cost, infinite where nothing shows, the term's problem, and its Jacobian with a
     table of zeros beside the reference.
     """
-    joint = with_term(problem, reference, one, seen)
-    where = len(problem.freedoms)
-    z = np.concatenate([reference.z[:where], np.zeros(KNOTS - 2), reference.z[where:]])
+    joint = with_term(problem, reference, one)
+    where, end = len(problem.freedoms), len(joint.freedoms)
+    z = np.concatenate([reference.z[:where], np.zeros(end - where), reference.z[where:]])
     r = joint.residuals(z)
     data, inner = problem.observed, range(where, where + KNOTS - 2)
-    jacobian = np.zeros((len(r), len(z)))
-    jacobian[:data, np.delete(np.arange(len(z)), inner)] = reference.jacobian[:data]
+    jacobian = np.zeros((len(r), len(z)))  # a past has no slope while the table has none
+    jacobian[:data, np.r_[:where, end:len(z)]] = reference.jacobian[:data]
     jacobian[data:, joint.known] = np.diag(1.0 / joint.sigma[joint.known])
     jacobian[:, inner] = joint.differences(
         z, r, inner, np.full(len(z), LARGEST_DIFFERENCE))  # beside it a table bends nowhere
@@ -217,19 +252,19 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
     return (course < seen[0]) | (course > seen[1])
 
 
-def range_followed(problem: Problem, reference: Fit, table: Discrepancy, seen: Array) -> Array:
-    """Return the lowest and the highest value of a term's variable."""
+def _range_followed(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
+    """Return the lowest and the highest value of a term's variable in the rows of the problem."""
     if table.variable == term.BACK_PRESSURE_ERROR:
         p = reference.parameters._replace(discrepancy=table)
-        values = np.concatenate([_simulated_errors(problem.experiment, p, slower)[seen]
+        values = np.concatenate([_simulated_errors(problem.experiment, p, slower)[problem.rows]
                                  for slower in (1.0, MUCH_SLOWER)])
     else:
-        values = _course(problem.experiment, reference, table, seen)[seen]
+        values = _course(problem, reference, table)[problem.rows]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
         given = problem.parameters(problem.start())
         run = problem.experiment.simulate(given, reference.initial)
         read = followed(given._replace(discrepancy=table), run['time'], run.columns)
-        values = np.r_[values, read[seen]]
+        values = np.r_[values, read[problem.rows]]
     return np.array([np.nanmin(values), np.nanmax(values)])
 
 
@@ -247,15 +282,16 @@ def _simulated_errors(experiment: Experiment, p: PositionerParameters, slower: f
     return followed(p, experiment.time, run.columns)
 
 
-def _course(experiment: Experiment, reference: Fit, table: Discrepancy, seen: Array) -> Array:
+def _course(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
     """
-    Return the variable of a term as measured, or as simulated where no row `seen` has a reading.
+    Return the variable of a term as measured, or as simulated where no row that counts has it.
 
     For a change, the variable that changes runs straight across a gap.
     """
+    experiment = problem.experiment
     name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
     values = experiment.measured.get(name)
-    if values is None or not np.isfinite(values[seen]).any():
+    if values is None or not np.isfinite(values[problem.rows]).any():
         values = experiment.simulate(reference.parameters, reference.initial)[name]
     elif table.variable in term.CHANGE_OF:
         values = bridged(experiment.time, values)

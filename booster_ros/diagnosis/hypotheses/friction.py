@@ -8,19 +8,18 @@ The force on the stem that the chamber pressure leaves beside spring, seat and p
     F = A(x) p - F_spring(x) - c dx/dt,
 
 is what dry friction holds. While a stem creeps one way in slips, F rises until the stem breaks away
-and falls as it slips: a saw-tooth, whose upper end is the break-away friction and whose lower end
-lies at the sliding friction or below. Its moments give both (method of moments): of a saw, which is
-spread evenly, the ends are sqrt(3) standard deviations from the mean; the average over both
+and falls as it slips: a saw-tooth, whose upper end is the break-away friction; how far it falls
+below that hangs on how far it slips. Its moments give the upper end (method of moments): of a saw,
+which is spread evenly, it is sqrt(3) standard deviations from the mean; the average over both
 directions takes out a spring that is preloaded otherwise.
 
 The statistics of windows have several minima over friction. So sliding friction and stiction are
-tried over a grid around the moments, for a packing that yields and for one that does not; each
-trial takes one run of the model.
+tried over a grid, with break-away friction as the moments have it among them, for a packing that
+yields and for one that does not; each trial takes one run of the model.
 (Stick-slip of a slowly driven mass: B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083.)
 """
 
 from collections.abc import Iterable
-import itertools
 
 import numpy as np
 
@@ -33,6 +32,8 @@ from booster_ros.model.scaling import proportion
 from booster_ros.model.sensors import position_behind, pressure_behind
 
 Array = np.ndarray
+
+_DAMPING = 'actuator.presliding_damping'
 
 BESIDE = 0.4
 """Time before and after a row, s, over which the stem has to go the same way: some slips."""
@@ -47,29 +48,23 @@ before, as closer trials reach half of the way to the next."""
 BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
 """Values of stiction that are tried, as shares of the sliding friction."""
 
-SLIDING_SHARES = (0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
-"""Shares of the break-away friction of the signature that are tried as sliding friction."""
+DAMPINGS = (0.0, 0.3, 0.6)
+"""Damping of a packing that is tried, as shares of the critical one, 0 for one that does not yield:
+a descent does not get from much damping to little, as damping and viscous friction trade."""
 
-KEPT, KEPT_CLOSER, CLOSER = 3, 2, ((0.06, 0.1), (0.03, 0.05), (0.015, 0.025))
-"""
-Number of best trials around which closer ones follow, at first and later, and the steps of these,
-round by round: of the sliding friction, as a share of it, and of the share that breaks away.
-"""
+KEPT, CLOSER = 3, (0.06, 0.03, 0.015)
+"""Number of best trials around which closer ones follow, and the steps of these, round by round, as
+shares of the sliding friction; those of the stiction are twice as long."""
 
-DAMPINGS = (0.3, 0.6)
-"""Damping of a packing from which fits begin, as shares of the critical one: a descent does not get
-from much damping to little, as damping and viscous friction trade."""
-
-_STICTION = 'actuator.stiction'
-_Trial = tuple[float, float, bool]
+_Trial = tuple[float, float, float]
 
 
 def friction_starts(problem: Problem, z: Array) -> list[Array]:
     """
     Return where to begin with dry friction, all else as it is at z; z alone if none is free.
 
-    The friction of the signature, for a packing that yields and one that does not, and the best of
-    the grid; for each damping where the packing yields. The start is as given.
+    The best of a grid over sliding friction, stiction and damping, to which the break-away friction
+    of the signature adds a value, and of closer trials around them. The start is as given.
     """
     if not any(free.knob.rubs for free in problem.freedoms):
         return [z]
@@ -77,64 +72,45 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
     def tried(trials: Iterable[_Trial]) -> list[tuple[float, _Trial]]:
         several = list(dict.fromkeys(trials))
         costs = side_by_side(lambda one: problem.cost(_placed(problem, z, *one)), several)
-        return sorted(zip(costs, several))
+        return sorted(zip(costs, several))[:KEPT]
 
     larger = proportion(problem.base, 'actuator', 'N')
-    trials = [*itertools.product([larger * force for force in SLIDING], BREAKING_AWAY,
-                                 (False, True))]
-    read = signature_friction(problem, z)
+    forces = [(larger * force, share) for force in SLIDING for share in BREAKING_AWAY]
+    read = break_away_friction(problem, z)
     if read is not None:
-        # where it breaks away is read well; how far it falls below that hangs on how far it slips
-        low, breaking = max(read[0], 0.1 * read[1]), read[1]
-        trials += [(sliding, breaking / sliding - 1.0, yields) for yields in (False, True)
-                   for sliding in (low, *(share * breaking for share in SLIDING_SHARES))]
-    best = tried(trials)[:KEPT]
-    for step, more in CLOSER:
-        best = sorted({one[1]: one for _, (force, share, yields) in best for one in tried(
-            (force * (1.0 + step * j), max(share + more * k, 0.0), yields)
-            for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))}.values())[:KEPT_CLOSER]
-    places = [one for _, one in best]
-    if read is not None:
-        places += [(low, breaking / low - 1.0, yields) for yields in (False, True)]
-    return [place for one in places for place in _dampings(problem, _placed(problem, z, *one))]
+        forces += [(read / (1.0 + share), share) for share in BREAKING_AWAY]
+    yields = any(free.knob.parameter == _DAMPING for free in problem.freedoms)
+    best = tried((*one, damping) for one in forces for damping in DAMPINGS[:None if yields else 1])
+    for step in CLOSER:
+        best = tried((force * (1.0 + step * j), max(share + 2.0 * step * k, 0.0), damping)
+                     for _, (force, share, damping) in best
+                     for j in (-2, -1, 0, 1, 2) for k in (-1, 0, 1))
+    return [_placed(problem, z, *one) for _, one in best]
 
 
-def _placed(problem: Problem, z: Array, sliding: float, share: float, yields: bool) -> Array:
+def _placed(problem: Problem, z: Array, sliding: float, share: float, damping: float) -> Array:
     """
-    Return z with this sliding friction (N) and stiction (a share of it), the start as given.
+    Return z with this sliding friction (N), stiction (a share of it) and damping.
 
-    The shapes of the packing, which yields or does not, become typical.
+    The start is as given, all other shapes of the packing become typical.
     """
     moved = z.copy()
     moved[len(problem.freedoms):] = 0.0
     for j, free in enumerate(problem.freedoms):
-        name = free.knob.parameter
+        typical = free.knob.typical
+        values = {'actuator.stiction': share * sliding,
+                  'actuator.presliding_stiffness': typical if damping else 0.0,
+                  _DAMPING: damping or typical, 'actuator.stribeck_velocity': typical}
         if free.knob.rubs:
             moved[j] = free.variable(sliding)
-        elif name == _STICTION:
-            moved[j] = free.variable(share * sliding)
-        elif name == 'actuator.presliding_stiffness':
-            moved[j] = free.variable(free.knob.typical if yields else 0.0)
-        elif name in ('actuator.presliding_damping', 'actuator.stribeck_velocity'):
-            moved[j] = free.variable(free.knob.typical)
+        elif free.knob.parameter in values:
+            moved[j] = free.variable(values[free.knob.parameter])
     return np.clip(moved, *problem.bounds())
 
 
-def _dampings(problem: Problem, z: Array) -> list[Array]:
-    """Return z with each of DAMPINGS of the packing; z alone if it does not yield."""
-    at = {free.knob.parameter: j for j, free in enumerate(problem.freedoms)}
-    damped = at.get('actuator.presliding_damping')
-    if damped is None or z[at['actuator.presliding_stiffness']] <= 0.0:
-        return [z]
-    places = [z.copy() for _ in DAMPINGS]
-    for place, damping in zip(places, DAMPINGS):
-        place[damped] = problem.freedoms[damped].variable(damping)
-    return places
-
-
-def signature_friction(problem: Problem, z: Array) -> tuple[float, float] | None:
+def break_away_friction(problem: Problem, z: Array) -> float | None:
     """
-    Return sliding and break-away friction of the counted rows, N, with all else as it is at z.
+    Return the break-away friction of the counted rows, N, with all else as it is at z.
 
     None where pressure or position was not measured, or where too few rows show the stem go.
     """
@@ -156,13 +132,9 @@ def signature_friction(problem: Problem, z: Array) -> tuple[float, float] | None
         blurred = p.actuator.effective_area * np.hypot(
             experiment.noise['chamber_pressure'],
             (high - low) / p.actuator.travel * experiment.noise['valve_position'])
-        reach = float(np.sqrt(3.0 * max(np.var(held) - blurred**2, 0.0)))
-        middle = float(np.mean(held))
-        ends.append((max(middle - reach, 0.0), max(middle + reach, 0.0)))
-    if not ends or not np.any(ends):
-        return None
-    low, high = np.mean(ends, axis=0)
-    return float(low), float(high)
+        reach = np.sqrt(3.0 * max(np.var(held) - blurred**2, 0.0))
+        ends.append(max(float(np.mean(held) + reach), 0.0))
+    return float(np.mean(ends)) if np.any(ends) else None
 
 
 def _rows_going(problem: Problem, position: Array, act: Actuator, way: float

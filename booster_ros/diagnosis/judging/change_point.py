@@ -77,27 +77,26 @@ def since_change(
     if found is None:
         return diagnosis
     change, before = found
-    later = _later(record, change, diagnosis.declared, tell, judge) if left > MUCH else None
     # the declared model has not met the missed rows even where it was refitted to them as well
-    diagnosis = replace(diagnosis, held_out={
+    diagnosis = replace(diagnosis, change=change, held_out={
         name: replace(error, left_open=np.nan, unforeseen=np.nan, mostly={})
         for name, error in diagnosis.held_out.items()})
+    later = _later(record, change, diagnosis.declared, tell, judge) if left > MUCH else None
     if later is None:
-        return replace(diagnosis, change=change)
+        return diagnosis
     silent = tuple(name for name in diagnosis.experiment.channels
                    if name not in later.experiment.channels)
-    if silent:
-        change = replace(change, silent=silent)
-        return _silenced(later, change) if later.verdict == 'none' else replace(
-            diagnosis, change=change)
-    if not _left(later.error) <= WORTH_CUTTING * left:
+    change = replace(change, silent=silent)
+    if not (later.verdict == 'none' if silent else _left(later.error) <= WORTH_CUTTING * left):
         return replace(diagnosis, change=change)
-    moved = _moved(later, before) if later.verdict == 'none' and _meets(later) else ()
+    meets = later.verdict == 'none' and all(
+        one.met for one in (*later.error.values(), *later.held_out.values())
+        if np.isfinite(one.after))
+    moved = _moved(later, before) if meets and not silent else ()
     later = replace(later, change=replace(change, cut=True, moved=moved))
-    if not moved:
-        return later
-    likeliest, *others = moved
-    return _unknown(later, _place(likeliest.name), tuple(one.name for one in others))
+    if silent:  # a stuck stem shows in the pressure as well
+        return _unknown(later, 'sensor' if meets else 'stem')
+    return _unknown(later, _place(moved[0].name), moved[1:]) if moved else later
 
 
 def _left(errors: Mapping[str, ChannelError]) -> float:
@@ -106,22 +105,10 @@ def _left(errors: Mapping[str, ChannelError]) -> float:
     return float(np.mean(squares)) if squares else np.nan
 
 
-def _silenced(later: Diagnosis, change: Change) -> Diagnosis:
-    """Return the diagnosis of a record in which a channel no longer says anything of the valve."""
-    place = 'sensor' if _meets(later) else 'stem'  # a stuck stem shows in the pressure as well
-    return _unknown(replace(later, change=replace(change, cut=True)), place)
-
-
-def _unknown(later: Diagnosis, place: str, others: tuple[str, ...] = ()) -> Diagnosis:
+def _unknown(later: Diagnosis, place: str, others: tuple[Moved, ...] = ()) -> Diagnosis:
     """Return the diagnosis with something in this place that is no effect of the catalogue."""
-    return replace(later, verdict='unknown', effects=(
-        FoundEffect('unknown', place, {}, others, '', {}),))
-
-
-def _meets(diagnosis: Diagnosis) -> bool:
-    """Tell whether the last model meets all that could be compared, the test set included."""
-    return all(one.met for one in (*diagnosis.error.values(), *diagnosis.held_out.values())
-               if np.isfinite(one.after))
+    return replace(later, verdict='unknown', effects=(FoundEffect(
+        'unknown', place, {}, tuple(one.name for one in others), '', {}),))
 
 
 def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
@@ -171,39 +158,23 @@ def _squares(experiment: Experiment, fit: Fit) -> Array:
 def _longest_met(diagnosis: Diagnosis) -> tuple[int, Fit] | None:
     """Return up to which row the declared model, refitted, meets the noise, and that fit."""
     experiment, declared = diagnosis.experiment, diagnosis.declared
-    least = A_RECORD * len(experiment.time)
-    ends = {used: [segment.last for segment in diagnosis.segments if segment.last >= least
-                   and (segment.role == 'train') is used] for used in (True, False)}
+    ends = [segment.last for segment in diagnosis.segments
+            if segment.last >= A_RECORD * len(experiment.time)]
     thin, kept = thinned(experiment, THINNING)
     whole = Problem(thin, np.ones(len(kept), dtype=bool), declared,
                     free_to_refit(declared, experiment))
-
-    def met_up_to(end: int, begin: Fit | None = None) -> Fit | None:
-        problem = replace(whole, rows=kept < end)
-        found = fit(problem, () if begin is None else [begin.z])
-        return found if found.cost < NOISE * problem.observed else None
-
-    first, *further = ends[True] or ends[False]
-    begin = met_up_to(first)
-    if begin is None:
-        return None
-    met = _lengthened(met_up_to, (first, begin), further)
-    if ends[True] and met[0] == ends[True][-1]:  # only then can the change be in the test set
-        met = _lengthened(met_up_to, met, ends[False])
-    return met
-
-
-def _lengthened(met_up_to: Callable[[int, Fit], Fit | None], met: tuple[int, Fit], ends: list[int]
-                ) -> tuple[int, Fit]:
-    """Return the last of the rising `ends` up to which the refit meets the record, and its fit."""
-    low, high = 0, len(ends)
+    met: tuple[int, Fit] | None = None
+    low, middle, high = 0, 0, len(ends)  # the first, then by bisection
     while low < high:
-        middle = (low + high) // 2
-        longer = met_up_to(ends[middle], met[1])
-        if longer is None:
-            high = middle
+        problem = replace(whole, rows=kept < ends[middle])
+        found = fit(problem, () if met is None else [met[1].z])
+        if found.cost < NOISE * problem.observed:
+            low, met = middle + 1, (ends[middle], found)
+        elif met is None:
+            return None
         else:
-            low, met = middle + 1, (ends[middle], longer)
+            high = middle
+        middle = (low + high) // 2
     return met
 
 

@@ -37,20 +37,14 @@ def differences(experiment: Experiment, parameters: PositionerParameters, initia
             for name in experiment.measured}
 
 
-def chance(experiment: Experiment, parameters: PositionerParameters, initial: Initial, part: str
-           ) -> tuple[str, ...]:
-    """Return a sentence where a stem sticks and slips at moments that cannot be foretold."""
+def chance(experiment: Experiment, parameters: PositionerParameters, initial: Initial
+           ) -> dict[str, float]:
+    """Return `differences` in multiples of the noise where a stem sticks and they matter, or {}."""
     if not has_dry_friction(parameters.actuator):
-        return ()
+        return {}
     apart = differences(experiment, parameters, initial)
     shares = {name: value / experiment.noise[name] for name, value in apart.items()}
-    if max(shares.values()) < WORTH_SAYING:
-        return ()
-    figures = ' and '.join(f'{share:.2g} in {name}' for name, share in shares.items())
-    return (f'when the stem slips is partly chance: on {part} two runs of the model whose drive '
-            f'differs by a millionth of its range differ by (multiples of the noise) {figures}, '
-            'and with the right parameters it would miss the valve by as much; the intervals '
-            'of the friction do not count that in',)
+    return shares if max(shares.values()) >= WORTH_SAYING else {}
 
 
 def _disturbed(experiment: Experiment, rng: np.random.Generator) -> Experiment:

@@ -23,7 +23,7 @@ met,
 (Propagation of distributions by a Monte Carlo method: JCGM 101:2008, 5 and 7.)
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -31,19 +31,21 @@ import numpy as np
 from booster_ros.diagnosis.data.experiment import FEWEST, Experiment, Initial, rmse
 from booster_ros.diagnosis.estimation.least_squares import descend
 from booster_ros.diagnosis.estimation.final_fit import FinalFit
-from booster_ros.diagnosis.estimation.fit import EVALUATIONS, Fit
-from booster_ros.diagnosis.estimation.inactive import BY_CHANCE
+from booster_ros.diagnosis.estimation.fit import EVALUATIONS
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import label
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.judging.perturbation import WORTH_SAYING
 from booster_ros.diagnosis.result import FAR_OFF, Alike, ChannelError
-from booster_ros.model.parameters import is_consistent
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
 Model = tuple[PositionerParameters, Initial]
+
+BY_CHANCE = 10.0
+"""Change of the cost for each variable up to which it is taken for chance: one where residuals are
+white, and some times that where they are coloured."""
 
 MODELS = 32
 """Number of models that are run: they tell what is left open to 13 %, two times of three."""
@@ -51,13 +53,12 @@ MODELS = 32
 
 def models_alike(last: FinalFit) -> Alike | None:
     """Return models, out of the draws of z, that suit the record as well as the last one does."""
-    problem, fit = last.problem, last.fit
+    problem = last.problem
     found = _suiting(last)
     if len(found) < FEWEST:
         return None
-    return Alike(tuple(_model(problem, z) for z in found),
-                 dict(_one_off(problem, fit, np.array(found))), problem.base, problem.freedoms,
-                 fit.z, problem.experiment, problem.rows, problem.observation.name)
+    return Alike(tuple(_model(problem, z) for z in found), problem.base, problem.freedoms,
+                 last.fit.z, problem.experiment, problem.rows, problem.observation.name)
 
 
 def with_left_open(
@@ -82,27 +83,19 @@ def with_left_open(
         return {name: float(np.mean((other[name] - run[name])[at]**2))
                 for name, at in counted.items()}
 
-    total = _together(side_by_side(apart, models.models))
+    runs = side_by_side(apart, models.models)
+    total = {name: float(np.sqrt(np.mean([one[name] for one in runs]))) for name in counted}
     much = any(total[name] >= WORTH_SAYING * errors[name].noise for name in total)
-    alone = {one: _together(side_by_side(apart, ends)) for one, ends in models.one_off.items()
-             } if much else {}
     beyond = {name: errors[name].after for name in counted}
-    found: dict[str, float] = {}
+    moved: dict[str, float] = {}
     if models.observation == WINDOWS.name:
         beyond = _beyond_size(errors, total)
     elif much and not all(errors[name].met for name in counted):
-        nearer, found = _beyond_reach(models, experiment, rows, start is None)
+        nearer, moved = _beyond_reach(models, experiment, rows, start is None)
         beyond |= nearer
     return {name: error if name not in total else replace(
-        error, left_open=total[name], unforeseen=beyond[name], mostly={
-            one: found.get(one, np.nan) for one, moved in alone.items()
-            if moved[name]**2 > 0.5 * total[name]**2})  # most of it
+        error, left_open=total[name], unforeseen=beyond[name], mostly=moved)
             for name, error in errors.items()}
-
-
-def _together(runs: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Return the root of the mean square over all runs, NaN where one did not come to its end."""
-    return {name: float(np.sqrt(np.mean([one[name] for one in runs]))) for name in runs[0]}
 
 
 def _beyond_size(errors: Mapping[str, ChannelError], total: Mapping[str, float]
@@ -121,9 +114,10 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
     """
     Return the errors in these rows of the model that comes nearest to meeting them and the record.
 
-    And its parameters by name. Both are empty if this model misses the record by clearly more.
-    Where the rows are of the `same` experiment, their start is sought from the one that was
-    fitted.
+    And its value, by name, of the parameter that changes most of what is predicted there on the way
+    to it, of those that the record hardly shows alone. Both are empty if this model misses the
+    record by clearly more. Where the rows are of the `same` experiment, their start is sought from
+    the one that was fitted.
     """
     first, z = Problem(models.experiment, models.rows, models.base, models.freedoms), models.z
     shared, own = len(first.freedoms), len(z)
@@ -147,14 +141,19 @@ def _beyond_reach(models: Alike, experiment: Experiment, rows: Array, same: bool
 
     low, high = (np.append(one, another[shared:])
                  for one, another in zip(first.bounds(), other.bounds()))
-    both = descend(
-        residuals, jacobian, np.clip(begin, low, high), low, high, EVALUATIONS).z
+    end = descend(residuals, jacobian, np.clip(begin, low, high), low, high, EVALUATIONS)
+    both = end.z
     if first.cost(both[:own]) > first.cost(z) + BY_CHANCE * own:
         return {}, {}
+    way = (end.jacobian[:, :shared] * (both - begin)[:shared])**2
+    # where others have to make up for one, that one alone is not what the record leaves open
+    open_yet = np.where(way[:many].sum(axis=0) > BY_CHANCE, 0.0, way[many:].sum(axis=0))
     predicted = other.predict(both[of_other]) or {}
     return ({name: rmse(experiment.measured[name], values, rows)
              for name, values in predicted.items()},
-            {label(free): float(free.value(one)) for free, one in zip(first.freedoms, both)})
+            {label(free): float(free.value(one))
+             for free, one, part in zip(first.freedoms, both, open_yet)
+             if part > 0.5 * open_yet.sum()})
 
 
 def _suiting(last: FinalFit) -> list[Array]:
@@ -171,28 +170,6 @@ def _suiting(last: FinalFit) -> list[Array]:
         if len(found) >= MODELS:
             break
     return found[:MODELS]
-
-
-def _one_off(problem: Problem, fit: Fit, models: Array) -> Iterable[tuple[str, tuple[Model, ...]]]:
-    """
-    Yield the model with a single parameter off to either side by as much as it is left open.
-
-    Only for parameters that may be off by so much alone: where others have to make up for one, the
-    model with that one alone off does not suit the record.
-    """
-    low, high = problem.bounds()
-    middle = models.mean(axis=0)
-    # of values that are all the same, the standard deviation need not be 0
-    spread = np.where(np.ptp(models, axis=0) > 0.0, models.std(axis=0), 0.0)
-    noticed = np.linalg.norm(fit.jacobian, axis=0) * spread
-    for j, free in enumerate(problem.freedoms):
-        if spread[j] == 0.0 or noticed[j]**2 > BY_CHANCE:
-            continue
-        ends = np.tile(fit.z, (2, 1))
-        ends[:, j] = np.clip(middle[j] + spread[j] * np.array([-1.0, 1.0]), low[j], high[j])
-        both = tuple(_model(problem, z) for z in ends)
-        if all(is_consistent(p) for p, _ in both):
-            yield label(free), both
 
 
 def _model(problem: Problem, z: Array) -> Model:

@@ -66,10 +66,13 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
             f'{FEWEST} are needed')
     if 'time' in record:
         _check_time(record)
-    record, beside = _without_loop(record, declared)
-    record, idle = _without_idle_command(record)
-    needed = roles(record.columns, record.source, (*record.ignored, *beside)).compared
-    record, sparse = _without_sparse(record, needed)
+    beside = _beside(record, declared)
+    record = _without(record, beside)
+    idle = _idle_command(record)
+    record = _without(record, idle)
+    needed = roles(record.columns, record.source, (*record.ignored, *beside.values())).compared
+    sparse = _sparse(record, needed)
+    record = _without(record, sparse)
     role = roles(record.columns, record.source)
     columns, trimmed = _from_known_start(record, role)
     check_scales(columns, declared, record.source)
@@ -89,23 +92,28 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
     return Rows(
         source=record.source, columns=columns, sampled=sampled, role=role, time=time,
         begins=begins, quasi_static=quasi_static,
-        usable=_usable_rows(time, columns, role, quasi_static), left_out=(*sparse, *trimmed),
-        notes=(*beside, *idle, *sparse, *role.notes, *trimmed, *_sweep_notes(time, quasi_static)))
+        usable=_usable_rows(time, columns, role, quasi_static),
+        left_out=(*sparse.values(), *trimmed),
+        notes=(*beside.values(), *idle.values(), *sparse.values(), *role.notes, *trimmed,
+               *_sweep_notes(time, quasi_static)))
 
 
-def _without_loop(record: Record, declared: PositionerParameters
-                  ) -> tuple[Record, tuple[str, ...]]:
-    """Return the record without what drives nothing: a set point beside a current is idle."""
+def _without(record: Record, names: Collection[str]) -> Record:
+    """Return the record without these columns."""
+    return replace(record, columns={
+        name: values for name, values in record.columns.items() if name not in names})
+
+
+def _beside(record: Record, declared: PositionerParameters) -> dict[str, str]:
+    """Return what is said of columns that drive nothing: a set point beside a current is idle."""
     idle = {'pressure_drop': 'the force of the process is judged as one of the stem'}
     if {'control_current', 'back_pressure'} & {*record.columns} or 'time' not in record:
         idle['set_point'] = 'what lies downstream of it is recorded'
     elif not declared.position_controller.enabled:
         idle['set_point'] = ('position_controller.enabled: true in the parameters, with its '
                              'tuning, lets it drive the model')
-    beside = [name for name in idle if name in record]
-    others = {name: values for name, values in record.columns.items() if name not in beside}
-    return replace(record, columns=others), tuple(
-        f'{name} is read and not used: {idle[name]}' for name in beside)
+    return {name: f'{name} is read and not used: {why}'
+            for name, why in idle.items() if name in record}
 
 
 def _check_time(record: Record) -> None:
@@ -141,26 +149,21 @@ def _check_sweep(time: Array, source: str) -> None:
             'needs the column time, a sweep needs fewer rows, or rows that stand for less')
 
 
-def _without_idle_command(record: Record) -> tuple[Record, tuple[str, ...]]:
-    """Return the record of a sweep without a current that is 0 in every row that is compared."""
+def _idle_command(record: Record) -> dict[str, str]:
+    """Return what is said of the current of a sweep that is 0 in every row that is compared."""
     current = record.columns.get('control_current')
     if current is None or 'time' in record or np.any(np.nan_to_num(current[1:])):
-        return record, ()
-    others = {name: values for name, values in record.columns.items() if name != 'control_current'}
-    return replace(record, columns=others), (
-        'control_current is 0 A in every row that a sweep is compared in: it did not drive it',)
+        return {}
+    return {'control_current': 'control_current is 0 A in every row that a sweep is compared in: '
+                               'it did not drive it'}
 
 
-def _without_sparse(record: Record, compared: Collection[str]) -> tuple[Record, tuple[str, ...]]:
-    """Return the record without channels of too few values to compare, if others have enough."""
+def _sparse(record: Record, compared: Collection[str]) -> dict[str, str]:
+    """Return what is said of channels of too few values to compare, if others have enough."""
     counts = {name: int(np.isfinite(record[name]).sum()) for name in compared}
-    sparse = {name: count for name, count in counts.items() if count < FEWEST}
-    if len(sparse) == len(counts):
-        return record, ()
-    others = {name: values for name, values in record.columns.items() if name not in sparse}
-    return replace(record, columns=others), tuple(
-        f'{name} is not compared: it has {count} of the {FEWEST} values needed'
-        for name, count in sparse.items())
+    sparse = {name: f'{name} is not compared: it has {count} of the {FEWEST} values needed'
+              for name, count in counts.items() if count < FEWEST}
+    return sparse if len(sparse) < len(counts) else {}
 
 
 def _from_known_start(

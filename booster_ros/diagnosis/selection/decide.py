@@ -5,7 +5,7 @@ The decisions of a selection, each a row with its reason.
 
 | question | answer yes where | why |
 |---|---|---|
-| does the record call for m' beside m? | evidence, and gain of blocks (`accepted`) | below |
+| does the record call for m' beside m? | evidence, and gain of blocks (`why_not`) | below |
 | is what is left noise? | reduced chi-square below NOISE | the level of noise is known so well |
 | does the first of two models stand for both? | log Z within TIE | odds of 20 to 1 |
 | is m' confirmed, likely, or a candidate? | `standing` | what an engineer may rely on |
@@ -56,28 +56,28 @@ class Comparison:
 
     log_evidence: float
     gain: float
-    standard_error: float
+    gain_standard_error: float
     without_best_block: float
     dispersion: float
+
+    def figures(self) -> dict[str, float]:
+        """Return what reports say of it."""
+        return {'log_evidence': self.log_evidence, 'gain': self.gain,
+                'gain_standard_error': self.gain_standard_error, 'dispersion': self.dispersion}
 
 
 @dataclass(frozen=True)
 class TraceStep:
     """
-    A step of the selection: a model against another.
+    A step of the selection: a model against another, what was found, and what came of it.
 
-    `log_evidence` and `gain` (of log likelihood, with its standard error over blocks) are tempered
-    by `dispersion`, + where the first model is better; `reduced_chi2` is what that one leaves, in
-    squares of the noise.
+    `reduced_chi2` is what the first model leaves, in squares of the noise.
     """
 
     effects: tuple[str, ...]
     against: tuple[str, ...]
     reduced_chi2: float
-    log_evidence: float
-    gain: float
-    gain_standard_error: float
-    dispersion: float
+    found: Comparison
     outcome: str
 
 
@@ -90,19 +90,12 @@ def compare(one: Score, other: Score, c: float) -> Comparison:
         one.log_evidence(c) - other.log_evidence(c), gain, error, gain - float(gains.max()), c)
 
 
-def accepted(found: Comparison, candidates: int) -> bool:
-    """Tell whether the record calls for the first model, one of so many candidates."""
-    return (found.log_evidence > log(max(candidates, 1)) + TIE
-            and found.without_best_block > TIE)
-
-
 def why_not(found: Comparison, candidates: int) -> str:
-    """Return why a model is not accepted, '' where it is."""
-    if accepted(found, candidates):
-        return ''
-    if found.without_best_block <= TIE < found.log_evidence:
+    """Return why the first model, one of so many candidates, is not accepted, '' where it is."""
+    if found.log_evidence > TIE and not found.without_best_block > TIE:
         return 'its gain rests on a single block of the record'
-    return 'the evidence for it is not enough'
+    enough = found.log_evidence > log(max(candidates, 1)) + TIE
+    return '' if enough else 'the evidence for it is not enough'
 
 
 def standing(explained: float, reduced_chi2: float, at_bound: bool, stands_in_test: bool,

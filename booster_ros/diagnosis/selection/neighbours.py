@@ -33,9 +33,9 @@ from booster_ros.model.catalogue import EFFECTS
 Array = np.ndarray
 Tick = Callable[[], None]
 
-BEGUN, FRICTION_STARTS = 10, 2
-"""Number of screened effects that get first steps of a fit, and of starts of friction: screening
-ranks the right effect among the first ten."""
+BEGUN = 10
+"""Number of screened effects that get first steps of a fit: screening ranks the right effect among
+the first ten."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def _small(task: Task, parent: Model, names: list[str]) -> list[tuple[str, Probl
         lambda name: screen(problem, around, name, frequencies, SIZES[:1]), names)
     least = found.cost - 2.0 * TIE * parent.score.dispersion
     hopeful = sorted((one for one in screened if one.cost < least), key=lambda one: one.cost)
-    return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.starts[0])
+    return [(one.effect, with_effects(one.problem, (*parent.effects, one.effect)), one.starts[0][1])
             for one in hopeful[:BEST]]
 
 
@@ -178,8 +178,7 @@ def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:
     effects = (*parent.effects, name)
     joint = task.problem(effects)
     starts = friction_starts(joint, _seen_upstream(task, parent, joint))
-    begun = min((fit(joint, [start], FIRST_STEPS) for start in sorted(
-        starts, key=joint.cost)[:FRICTION_STARTS]), key=lambda end: end.cost)
+    begun = fit(joint, starts, FIRST_STEPS)
     smooth = replace(task.problem(parent.effects), observation=joint.observation)
     if begun.cost > smooth.cost(parent.fit.z):
         return []

@@ -60,21 +60,19 @@ the wrong frequency.
 @dataclass(frozen=True)
 class Screened:
     """
-    An effect, the problem with it added, where to fit from, and the costs there (best first).
+    An effect, the problem with it added, and where to fit from, best first.
 
-    `around` are the references that they were reckoned from.
+    `starts` are costs, the variables there, and the references that they were reckoned from.
     """
 
     effect: str
     problem: Problem
-    starts: tuple[Array, ...]
-    costs: tuple[float, ...]
-    around: tuple['Reference', ...]
+    starts: tuple[tuple[float, Array, 'Reference'], ...]
 
     @property
     def cost(self) -> float:
         """The least cost seen."""
-        return min(self.costs, default=float('inf'))
+        return self.starts[0][0] if self.starts else float('inf')
 
 
 def _with_sizes(problem: Problem, z: Array, e: Array) -> Array:
@@ -97,10 +95,9 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Iterable[float], multiple
     steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
     rubs = [j for j in sizes if free[j].knob.rubs]
-    pairs = [sizes] if len(sizes) == 2 else [(j, k) for j in rubs for k in sizes if k != j]
-    if len(multiples) > 1:
-        moves += [dict.fromkeys(pair, size) for pair in pairs for size in multiples]
-        if len(sizes) == 2 and all(free[j].knob.inverse for j in sizes):
+    if len(multiples) > 1 and len(sizes) == 2:
+        moves += [dict.fromkeys(sizes, size) for size in multiples]
+        if all(free[j].knob.inverse for j in sizes):
             # two limits: where one is hard, the other shows only near its size
             moves += [dict(zip(sizes, both)) for both in itertools.permutations(multiples, 2)]
     # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
@@ -196,28 +193,9 @@ class _Trial:
 def reference_at(problem: Problem, found: Fit) -> Reference:
     """Return the reference that a fit of the problem is."""
     low, high = problem.bounds()
-    return _reference(found.z, found.residuals, found.jacobian, (low - found.z, high - found.z))
-
-
-def _reference(z: Array, r: Array, jacobian: Array, room: tuple[Array, Array]) -> Reference:
-    bare = Reference(z, jacobian, np.linalg.qr(jacobian), room, r, r)
-    return replace(bare, left=r + jacobian @ bare.reaction(r))
-
-
-def _beside(reference: Reference, problem: Problem, joint: Problem) -> Reference:
-    """Return the reference with the priors that the declared parameters have beside the effect."""
-    ratios = np.array([before.sigma / after.sigma for before, after in zip(
-        problem.freedoms, joint.freedoms) if np.isfinite(before.sigma)])
-    if np.all(ratios == 1.0):
-        return reference
-    weights = np.ones(len(reference.residuals))
-    end = len(weights) - problem.nuisances
-    weights[end - len(ratios):end] = ratios
-    size = len(problem.freedoms)
-    low, high = (np.delete(ends, np.s_[size:len(joint.freedoms)]) for ends in joint.bounds())
-    z = reference.z
-    return _reference(z, weights * reference.residuals, weights[:, None] * reference.jacobian,
-                      (low - z, high - z))
+    bare = Reference(found.z, found.jacobian, np.linalg.qr(found.jacobian),
+                     (low - found.z, high - found.z), found.residuals, found.residuals)
+    return replace(bare, left=found.residuals + found.jacobian @ bare.reaction(found.residuals))
 
 
 def references(problem: Problem, found: Fit) -> list[Reference]:
@@ -259,7 +237,7 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: It
     joint = with_effect(problem, EFFECTS[name])
     free = joint.freedoms[len(problem.freedoms):]
     found = []
-    for reference in (_beside(one, problem, joint) for one in around):
+    for reference in around:
         trials = [_tried(problem, joint, reference, e)
                   for e in _sizes_to_try(free, frequencies, multiples)]
         further = sorted(trials, key=lambda trial: trial.promised)[:BEST]
@@ -267,16 +245,14 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: It
         if trials:
             best = min(trials, key=lambda trial: trial.cost)
             found.append((best.cost, np.clip(best.z, *joint.bounds()), reference))
-    found.sort(key=lambda one: one[0])
-    return Screened(name, joint, tuple(z for _, z, _ in found), tuple(cost for cost, *_ in found),
-                    tuple(reference for *_, reference in found))
+    return Screened(name, joint, tuple(sorted(found, key=lambda one: one[0])))
 
 
 def first_steps(problem: Problem, quick: Screened) -> Fit:
     """Return where first steps lead from the starts of a screened effect: the best of these."""
     inner = range(len(problem.freedoms), len(quick.problem.freedoms))
     found = []
-    for start, reference in zip(quick.starts, quick.around):
+    for _, start, reference in quick.starts:
         slopes = np.insert(reference.jacobian, [inner.start] * len(inner), 0.0, axis=1)
         slopes[:, inner] = quick.problem.differences(
             start, quick.problem.residuals(start), inner, np.full(len(start), DIFFERENCE))

@@ -22,7 +22,7 @@ import itertools
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import (
-    NEARLY_ALL, NOISE, TIE, Comparison, TraceStep, accepted, compare, why_not)
+    NEARLY_ALL, NOISE, TIE, Comparison, TraceStep, compare, why_not)
 from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
 from booster_ros.diagnosis.selection.task import (
     Model, Task, by_observation, near_best, upstream_task)
@@ -65,14 +65,18 @@ class _Trace:
     def __init__(self, root: Model):
         self.root, self.models, self.steps = root, [root], list[TraceStep]()
 
-    def compared(self, task: Task, one: Model, other: Model, rivals: list[Model],
-                 candidates: int) -> Comparison:
-        """Return the comparison of two models, tempered by what the best of all rivals leaves."""
+    def accepts(self, task: Task, one: Model, other: Model, rivals: list[Model],
+                candidates: int) -> bool:
+        """
+        Tell whether the record calls for a model, one of so many candidates, beside another.
+
+        The comparison is tempered by what the best of all rivals leaves.
+        """
         found = comparison(task, one, other, [*rivals, one, other])
+        against = why_not(found, candidates)
         self.steps.append(TraceStep(
-            one.effects, other.effects, one.reduced_chi2, found.log_evidence, found.gain,
-            found.standard_error, found.dispersion, why_not(found, candidates) or 'accepted'))
-        return found
+            one.effects, other.effects, one.reduced_chi2, found, against or 'accepted'))
+        return not against
 
 
 def comparison(task: Task, one: Model, other: Model, rivals: list[Model]) -> Comparison:
@@ -134,8 +138,8 @@ def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> t
         return replace(task, places=task.places & _BELOW, names=tuple(
             name for name in task.names if EFFECTS[name].location in _BELOW)), root
     found = neighbours(above, parent, above.names)
-    likely = [one for one in found.near if accepted(trace.compared(
-        above, one, parent, found.near, len(above.names)), len(above.names))]
+    likely = [one for one in found.near
+              if trace.accepts(above, one, parent, found.near, len(above.names))]
     whole = [refitted(task, one.effects, root.fit, one.fit) for one in likely]
     trace.models += whole
     return task, _best(task, whole) or root
@@ -144,8 +148,7 @@ def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> t
 def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress) -> Model:
     """Return the model with effects added to a parent, one by one, while that is called for."""
     chosen = root
-    if parent is not root and accepted(trace.compared(
-            task, parent, root, [], len(task.names)), len(task.names)):
+    if parent is not root and trace.accepts(task, parent, root, [], len(task.names)):
         chosen = parent
     for level in range(len(parent.effects), MOST_EFFECTS):
         # a law is never quite the valve's: what it leaves within the noise is no second effect
@@ -160,8 +163,7 @@ def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress
         found = neighbours(task, parent, _names(task, parent), tick)
         trace.models += [*found.near, *found.far]
         best = _best(task, found.near)
-        if best is not None and accepted(trace.compared(
-                task, best, chosen, found.near, len(task.names)), len(task.names)):
+        if best is not None and trace.accepts(task, best, chosen, found.near, len(task.names)):
             chosen = parent = best
         elif best is None or parent is not chosen:
             break
@@ -207,8 +209,7 @@ def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
             break
         smaller = refitted(task, chosen.but(name), chosen.fit)
         trace.models.append(smaller)
-        found = trace.compared(task, chosen, smaller, [], len(task.names))
-        if not accepted(found, len(task.names)):
+        if not trace.accepts(task, chosen, smaller, [], len(task.names)):
             chosen = smaller
     return chosen
 
@@ -234,5 +235,4 @@ def _replaced(task: Task, chosen: Model, unnamed: list[Model], trace: _Trace) ->
     if not unnamed:
         return chosen
     best = near_best(unnamed, TIE)[0]
-    found = trace.compared(task, best, chosen, unnamed, len(unnamed))
-    return best if accepted(found, len(unnamed)) else chosen
+    return best if trace.accepts(task, best, chosen, unnamed, len(unnamed)) else chosen

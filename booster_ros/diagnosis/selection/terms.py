@@ -14,9 +14,7 @@ from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.discrepancy import (
-    UNNAMED, Term, linear_reach, terms, with_free_past)
-from booster_ros.diagnosis.hypotheses.knots import looking_closer
-from booster_ros.diagnosis.selection.decide import NOISE
+    UNNAMED, Term, linear_reach, terms)
 from booster_ros.diagnosis.selection.neighbours import BEGUN, fitted_to_every_row
 from booster_ros.diagnosis.selection.screening import BEST
 from booster_ros.diagnosis.selection.task import Model, Task
@@ -24,23 +22,20 @@ from booster_ros.model import discrepancy as term
 
 Array = np.ndarray
 
-WORTH_A_LOOK = 0.05
-"""Knots go to where a term bends as long as that lowers the cost by so much."""
-
-_NEED_A_CLOCK = (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR)
-
 
 def best_terms(task: Task, root: Model) -> list[Model]:
     """Return the models with a term without a name that explain most, fitted to every row."""
     problem = task.problem()
     likely = [one for one in terms(task.experiment.channels, task.declared)
               if one.place in task.places
-              and not (task.experiment.quasi_static and one.variable in _NEED_A_CLOCK)]
+              and not (task.experiment.quasi_static
+                       and one.variable in (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR))]
     begun = _begun(problem, fit_at(problem, root.fit.z), likely)
     models = []
     for label in sorted(begun, key=lambda name: begun[name][1].cost)[:BEST]:
-        joint, z = _fitted(*begun[label])
-        models.append(fitted_to_every_row(task, (UNNAMED + label,), joint, z))
+        joint, end = begun[label]
+        models.append(fitted_to_every_row(
+            task, (UNNAMED + label,), joint, fit(joint, [end.z]).z))
     order = list(begun)
     return sorted(models, key=lambda one: order.index(one.effects[0].removeprefix(UNNAMED)))
 
@@ -55,37 +50,15 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
     """
     reached: dict[str, tuple[float, Problem, Array]] = {}
     for one, reach in zip(likely, side_by_side(
-            lambda one: linear_reach(problem, reference, one, problem.rows), likely)):
+            lambda one: linear_reach(problem, reference, one), likely)):
         if np.isfinite(reach[0]) and reach[0] < reached.get(one.label, (np.inf,))[0]:
             reached[one.label] = reach
     furthest = sorted(reached, key=lambda name: reached[name][0])[:BEGUN]
-    begun = {}
     last = f' over {term.VARIABLES[term.TIME]}'
+    begun = {}
     for label in sorted(reached, key=lambda name: name.endswith(last)):
         _, joint, slopes = reached[label]
         # what a lag does is far from straight: it is tried whatever the reckoning says
         if label in furthest or joint.base.discrepancy.location == term.EP_CONVERTER_LAG:
-            joint, start = with_free_past(joint, joint.start())
-            if len(start) > slopes.shape[1]:  # a past has no slope while the table has none
-                slopes = np.insert(slopes, len(joint.freedoms) - 1, 0.0, axis=1)
-            begun[label] = joint, fit(joint, [start], FIRST_STEPS, slopes=slopes)
+            begun[label] = joint, fit(joint, [joint.start()], FIRST_STEPS, slopes=slopes)
     return begun
-
-
-def _fitted(problem: Problem, begun: Fit) -> tuple[Problem, Array]:
-    """
-    Return the problem with a term and z, fitted to its end.
-
-    Its knots are spread evenly at first. Where that leaves more than noise, they go to where the
-    term bends, as long as that lowers the cost by a share that matters.
-    """
-    best = fit(problem, [begun.z])
-    while best.cost > NOISE * problem.observed:
-        closer, z = looking_closer(problem, best)
-        further = fit(closer, [z])
-        share = further.cost / best.cost
-        if share < 1.0:
-            problem, best = closer, further
-        if share > 1.0 - WORTH_A_LOOK:
-            break
-    return problem, best.z
