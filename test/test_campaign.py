@@ -18,7 +18,7 @@ import time
 
 from dask_scheduler import scheduler
 import pytest
-from ros_process import ROOT
+from ros_process import PATIENCE, ROOT
 
 from booster_ros.campaign import running
 from booster_ros.campaign.results import read_results
@@ -291,3 +291,11 @@ def test_two_campaigns_are_compared(tmp_path, checkout, capsys):
     assert '| leak | chamber_leak | chamber_leak | dead_time | right → wrong |  |  |' in said
     assert main(['compare', str(tmp_path / 'one'), str(tmp_path)]) == 2
     assert f'{tmp_path}: there are no outcomes of a campaign' in capsys.readouterr().err
+
+
+def test_a_second_run_at_the_same_time_says_nothing_of_ports():
+    command = [sys.executable, '-c', (
+        'from booster_ros.running import on_dask\n'
+        "with on_dask._client('', 1), on_dask._client('', 1):\n    pass\n")]
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE)
+    assert (ended.returncode, ended.stderr) == (0, '')
