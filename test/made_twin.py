@@ -21,6 +21,6 @@ def moving_valve(values, seconds, rate, dwell, seed=0, low=0.4e-3, high=0.46e-3)
         time, current)
     return {
         'time': time, 'control_current': current,
-        'chamber_pressure': seen['chamber_pressure'] + 150.0 * random.standard_normal(len(time)),
-        'valve_position': seen['valve_position'] + 8e-6 * random.standard_normal(len(time)),
+        **{name: seen[f'measured_{name}'] + noise * random.standard_normal(len(time))
+           for name, noise in (('chamber_pressure', 150.0), ('valve_position', 8e-6))},
     }

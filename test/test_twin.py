@@ -90,6 +90,19 @@ def test_a_fault_shows_where_it_is_born():
     assert leaks['valve_position'] < 1.5 * healthy['valve_position']
 
 
+@pytest.mark.parametrize('values', [
+    {'sensors.pressure_bias': 5e3, 'sensors.position_span_error': 0.03},
+    {'sensors.position_backlash': 3e-4}], ids=['bias', 'play'])
+def test_what_a_sensor_adds_is_taken_off_before_its_reading_drives(values):
+    rows = record(values)
+    left = {'chamber_pressure': [], 'valve_position': []}
+    predictor = Predictor(from_values(values), frozenset(rows) - {'time'})
+    told = predictor.advance(rows)
+    left = {name: float(np.sqrt(np.nanmean(told.left[name][300:]**2))) for name in left}
+    assert left['chamber_pressure'] < 500.0
+    assert left['valve_position'] < 3e-5
+
+
 def test_after_a_dropout_the_prediction_begins_anew_and_says_nothing_until_it_has_settled():
     rows = record()
     gap = (rows['time'] > 50.0) & (rows['time'] < 60.0)

@@ -47,15 +47,16 @@ def test_the_table_tells_right_from_wrong():
         came('stem_friction', ['stem_friction', 'chamber_leak'], 'adopted: it is better',
              after=4.0),
         came('bench_set_shift', ['spring_rate_change'], 'adopted: it is better', after=1.0),
-        came('bench_set_shift', ['spring_rate_change'], 'rolled back: it is worse', delay=None),
+        came('bench_set_shift', ['chamber_leak'], 'adopted: it is better', delay=None,
+             group=['chamber_leak'], after=1.0),
         came('stem_friction', ['chamber_leak'], early=True),
         came(NONE, [], kind='nothing', delay=None, noticed=None)])
     rows = {line.split('|')[1].strip(): [cell.strip() for cell in line.split('|')[2:-1]]
             for line in told.splitlines() if line.startswith('|')}
     assert rows['stem friction'] == [
-        '2', '2', '2, 4 s', '2', '2', '2', '1', '1', '0', '40.0 → 3.00']
+        '2', '2', '2, 4 s', '2', '2', '2', '1', '1', '0', '0', '40.0 → 3.00']
     assert rows['bench set shift'] == [
-        '2', '1', '2, 4 s', '2', '0', '2', '0', '0', '1', '40.0 → 1.00']
+        '2', '1', '2, 4 s', '2', '0', '1', '0', '0', '1', '1', '40.0 → 1.00']
     assert rows['no change'] == [
-        '1', '0', '0', '1 found nothing', '', '', '', '', '0', '']
+        '1', '0', '0', '1 found nothing', '', '', '', '', '', '0', '']
     assert 'Called unwell before the change: 1 of 6 runs.' in told

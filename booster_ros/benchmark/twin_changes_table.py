@@ -1,6 +1,6 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table of changes: seen, place and name right, adopted rightly and wrongly, errors."""
+"""The table of changes: seen, place and name right, what was adopted, errors."""
 
 from collections.abc import Sequence
 
@@ -10,20 +10,27 @@ from .twin_change import NONE, Came
 
 COLUMNS = (
     'change', 'runs', 'alarm', 'alarm or out of specification, median delay', 'place', 'name',
-    'name or a declared rival', 'adopted rightly', 'with another effect', 'adopted wrongly',
-    'error before → after, noise')
+    'name or a declared rival', 'adopted: the true effect', 'with another one',
+    'a declared rival', 'another one',     'error before → after, noise')
 HEAD = f'| {" | ".join(COLUMNS)} |\n|' + len(COLUMNS) * '---|'
 
-RIGHT, MORE, WRONG = 'rightly', 'with another effect', 'wrongly'
+RIGHT, MORE, RIVAL, WRONG = 'right', 'more', 'rival', 'wrong'
 
 
 def adopted(came: Came) -> str:
-    """Return how a model was adopted: `RIGHT`, the true effect with `MORE`, `WRONG`, '' if none."""
+    """
+    Return how a model was adopted, '' where none was.
+
+    `RIGHT` is the true effect alone, `MORE` another one beside it, `RIVAL` one of which the report
+    says that it may be the true one instead, `WRONG` all else.
+    """
     if not came.adoption.startswith('adopted'):
         return ''
     if came.effects == [came.fault]:
         return RIGHT
-    return MORE if came.fault in came.effects else WRONG
+    if came.fault in came.effects:
+        return MORE
+    return RIVAL if came.fault in came.group else WRONG
 
 
 def table(all_came: Sequence[Came]) -> str:
@@ -38,7 +45,7 @@ def table(all_came: Sequence[Came]) -> str:
         rows.append(
             f'| no change | {len(sound)} | {sum(one.delay is not None for one in sound)} | '
             f'{sum(one.noticed is not None for one in sound)} | '
-            f'{sum(one.kind == "nothing" for one in sound)} found nothing | | | | | '
+            f'{sum(one.kind == "nothing" for one in sound)} found nothing | | | | | | '
             f'{sum(adopted(one) == WRONG for one in sound)} | |')
     early = len(all_came) - len(counted)
     last = f'Called unwell before the change: {early} of {len(all_came)} runs.'
@@ -57,4 +64,5 @@ def _row(name: str, runs: Sequence[Came]) -> str:
             + f' | {sum(one.place in one.places for one in runs)} '
             f'| {sum(one.fault in one.effects for one in runs)} '
             f'| {sum(one.fault in one.group for one in runs)} '
-            f'| {how.count(RIGHT)} | {how.count(MORE)} | {how.count(WRONG)} | {errors} |')
+            f'| {" | ".join(str(how.count(one)) for one in (RIGHT, MORE, RIVAL, WRONG))} '
+            f'| {errors} |')

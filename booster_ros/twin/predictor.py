@@ -7,6 +7,10 @@ The model beside the samples, each part driven by its measured upstream channel.
     measured chamber pressure    → actuator, spring, stem          → valve position
     set point (no current and no pressure are measured)            → the closed loop → both
 
+What drives is what lies behind a reading by the model: bias and span of a sensor are taken off. Of
+a reading with play it is not known where the stem is; then the model's own stem goes with the
+pressure.
+
 A part whose drive is measured knows nothing of what is wrong above it, so that a fault shows in the
 channel at whose part it is born (open-loop identification of a subsystem with a measured interface
 variable; U. Forssell, L. Ljung, Automatica 35 (1999) 1215).
@@ -19,6 +23,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..model.memory import CENTRED
+from ..model.sensors import (
+    position_behind, position_reading, pressure_behind, pressure_reading)
 from ..model.start import start_of_readings
 from ..model.stream import Stream
 from ..model.system import PositionerParameters
@@ -144,7 +150,8 @@ def roles(p: PositionerParameters, driven: frozenset[str]) -> tuple[Role, ...]:
     supply = tuple(name for name in ('supply_pressure',) if name in driven)
     if PRESSURE in driven and driven & {'control_current', 'back_pressure'}:
         above = tuple(name for name in ('back_pressure',) if name in driven)
-        stem = tuple(name for name in (POSITION,) if name in driven)
+        stem = tuple(name for name in (POSITION,)
+                     if name in driven and p.sensors.position_backlash == 0.0)
         found.append(Role(PRESSURE, 'control_current', (*above, *supply, *stem)))
     if POSITION in driven and PRESSURE in driven:
         found.append(Role(POSITION, 'control_current', (PRESSURE,)))
@@ -203,9 +210,12 @@ class _Part:
     def _run(self, command: Array, rows: Mapping[str, Array], piece: Array, inside: Array
              ) -> tuple[Array, Array]:
         near = rows['time'][piece]
-        pinned = {name: smoothed(near, rows[name][piece])[0][inside] for name in self.role.pinned}
-        if POSITION in pinned:
-            pinned['stem_velocity'] = smoothed(near, rows[POSITION][piece])[1][inside]
+        pinned = {}
+        for name in self.role.pinned:
+            behind = self._behind(name, rows[name][piece])
+            pinned[name], slope = (values[inside] for values in smoothed(near, behind))
+            if name == POSITION:
+                pinned['stem_velocity'] = slope
         piece = piece[inside]
         time = rows['time'][piece]
         if self._stream is None:
@@ -215,11 +225,18 @@ class _Part:
         self._last = float(time[-1])
         return seen[READING[self.role.channel]], time - self._began >= self._settling
 
+    def _behind(self, name: str, readings: Array) -> Array:
+        """Return what lies behind readings by the sensors of the model."""
+        behind = {PRESSURE: pressure_behind, POSITION: position_behind}.get(name)
+        return readings if behind is None else behind(self._p.sensors, readings)
+
     def _begin(self, time: float, command: float, rows: Mapping[str, Array], piece: Array,
                pinned: Mapping[str, Array]) -> None:
         read = {name: float(np.nanmean(values[piece][:10])) for name, values in rows.items()
                 if name in COMPARED and np.isfinite(values[piece][:10]).any()}
-        read |= {name: float(values[0]) for name, values in pinned.items() if name in COMPARED}
+        reading = {PRESSURE: pressure_reading, POSITION: position_reading}
+        read |= {name: reading[name](self._p.sensors, float(values[0]))
+                 for name, values in pinned.items() if name in COMPARED}
         start, departure = dict(read), CENTRED
         if self.role.command != 'set_point':
             start, departure = start_of_readings(self._p, time, command, read)
