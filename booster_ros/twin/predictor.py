@@ -18,7 +18,7 @@ variable; U. Forssell, L. Ljung, Automatica 35 (1999) 1215).
 
 from collections.abc import Mapping
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -227,8 +227,8 @@ class _Part:
 
     def _behind(self, name: str, readings: Array) -> Array:
         """Return what lies behind readings by the sensors of the model."""
-        behind = {PRESSURE: pressure_behind, POSITION: position_behind}.get(name)
-        return readings if behind is None else behind(self._p.sensors, readings)
+        behind: Mapping[str, Any] = {PRESSURE: pressure_behind, POSITION: position_behind}
+        return behind[name](self._p.sensors, readings) if name in behind else readings
 
     def _begin(self, time: float, command: float, rows: Mapping[str, Array], piece: Array,
                pinned: Mapping[str, Array]) -> None:
