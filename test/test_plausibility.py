@@ -49,6 +49,21 @@ def test_values_of_another_scale_are_refused_before_they_become_an_effect(column
     assert says in str(caught.value)
 
 
+def test_a_level_that_is_far_off_does_not_make_a_converter_reverse_acting():
+    """The chamber is slow, so that its pressure hardly goes with a current that swings fast."""
+    time = np.arange(0.0, 40.0, 0.05)
+    current = 0.433e-3 + 5e-6 * sum(np.sin(2.0 * np.pi * f * time) for f in (0.62, 0.75, 0.88))
+    leaking = DECLARED._replace(actuator=DECLARED.actuator._replace(leak_area=2e-7))
+    run = simulate(leaking, time, current, {'chamber_pressure': 2.1e5})
+    random = np.random.default_rng(0)
+    columns = {'time': time, 'control_current': current, **{
+        name: run[name] + noise * random.standard_normal(len(time))
+        for name, noise in (('chamber_pressure', 150.0), ('valve_position', 8e-6))}}
+    settled = {name: values[200:] for name, values in columns.items()}
+    assert np.corrcoef(settled['control_current'], settled['chamber_pressure'])[0, 1] < 0.0
+    prepare(record_of(**settled), DECLARED)
+
+
 def test_time_in_ms_of_rows_that_are_one_apart_is_refused():
     columns = step_test()
     fast = np.arange(0.0, columns['time'][-1], 1e-3)

@@ -194,22 +194,29 @@ def _reversed_current(experiment: Experiment, declared: PositionerParameters) ->
     if any(len(np.unique(each)) < 2 for each in both) or spearmanr(*both).statistic >= 0.0:
         return
     alone = replace(experiment, measured={name: measured})
-    most = float(np.max(experiment.current))
     full = declared.supply.pressure / declared.ep_converter.gain
 
-    def turned(further: float) -> Experiment:
-        return replace(alone, current=most + further * full - experiment.current)
+    def moved(way: float, further: float) -> Experiment:
+        """Return the record with its current that way up, its least value where suits the model."""
+        least = np.min(way * experiment.current)
+        return replace(alone, current=further * full + way * experiment.current - least)
 
-    def left(further: float) -> float:
-        return rmse(measured, turned(further).predict(declared)[name], rows)
+    def nearest(way: float) -> float:
+        """Return that least value, in currents that open the converter fully."""
+        def left(further: float) -> float:
+            return rmse(measured, moved(way, further).predict(declared)[name], rows)
 
-    tried, step = np.linspace(0.0, 2.0, STARTS, retstep=True)
-    best = tried[int(np.argmin(side_by_side(left, tried)))]
-    found = minimize_scalar(left, bounds=(best - step, best + step), method='bounded').x
-    yield alone, turned(found), (
-        f'control_current: the declared model moves as measured with {most + found * full:.4g} A '
-        'less the current: the converter is reverse-acting, or the wires are swapped; convert the '
-        'column to the current of a direct-acting one')
+        tried, step = np.linspace(0.0, 2.0, STARTS, retstep=True)
+        best = tried[int(np.argmin(side_by_side(left, tried)))]
+        return float(minimize_scalar(left, bounds=(best - step, best + step), method='bounded').x)
+
+    # both from where suits best: a level that is off is no reason to turn what moves
+    found = nearest(-1.0)
+    yield moved(1.0, nearest(1.0)), moved(-1.0, found), (
+        'control_current: the declared model moves as measured with '
+        f'{np.max(experiment.current) + found * full:.4g} A less the current: the converter is '
+        'reverse-acting, or the wires are swapped; convert the column to the current of a '
+        'direct-acting one')
 
 
 def _reversed_position(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
