@@ -86,7 +86,7 @@ def test_terms_without_a_name_are_in_proportion_as_well():
         grown = {'chamber': AREA, 'chamber_volume': AREA, 'stem': AREA}
         assert ours.size == pytest.approx(
             grown.get(ours.label.split(' over ')[0], 1.0) * paper.size)
-        assert ours.reach == paper.reach
+        assert ours.past == paper.past
 
 
 @pytest.mark.campaign

@@ -10,7 +10,6 @@ import importlib
 import logging
 from typing import Any
 import uuid
-import warnings
 
 from .orders import stop_run
 from .run_error import RunError
@@ -123,13 +122,12 @@ def _client(scheduler: str, jobs: int) -> Iterator[Any]:
     with ExitStack() as stack:
         target: Any = scheduler
         if not scheduler:
-            with warnings.catch_warnings():
-                # a second run on this machine takes another port, and that is nobody's business
-                warnings.filterwarnings('ignore', 'Port .* is already in use')
-                cluster = distributed.LocalCluster(
-                    n_workers=1, threads_per_worker=jobs, processes=False, memory_limit=None,
-                    dashboard_address=None, silence_logs=logging.CRITICAL)
-            target = stack.enter_context(cluster)
+            # a port of its own: of one that a second run on this machine has taken already, the
+            # scheduler warns, and loses a socket
+            target = stack.enter_context(distributed.LocalCluster(
+                n_workers=1, threads_per_worker=jobs, processes=False, memory_limit=None,
+                dashboard_address=None, silence_logs=logging.CRITICAL,
+                scheduler_kwargs={'dashboard_address': ':0'}))
         try:
             client = stack.enter_context(distributed.Client(target, timeout=_PATIENCE))
             if scheduler:
