@@ -19,13 +19,11 @@ from ..model.catalogue import EFFECTS
 from ..nodes.ready import LATCHED
 from ..nodes.twin import TwinNode
 from ..testing import Valve
+from .twin_valves import NOISE, near
 
 NONE = 'none'
 
 RATE = 20.0
-NOISE = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
-"""Of the readings, Pa and m."""
-
 TRIED = (
     'dead_time', 'ep_gain_loss', 'chamber_leak', 'exhaust_seat_leak', 'stem_friction',
     'stem_damping', 'effective_area_change', 'bench_set_shift', 'spring_rate_change',
@@ -167,12 +165,8 @@ class Drawn:
     def __init__(self, number: int, noise: int) -> None:
         """Draw valve and course by `number`, and the noise by `noise`."""
         self.random = np.random.default_rng([number, 1])
-        near = {'supply.pressure': 400e3, 'ep_converter.gain': 540340406.719717,
-                'actuator.viscous_friction': 3000.0}
         self.parameters = {
-            **{name: value * (1.0 + 0.002 * self.random.standard_normal())
-               for name, value in near.items()},
-            'publish_rate': RATE, 'measurement.seed': noise,
+            **near(self.random), 'publish_rate': RATE, 'measurement.seed': noise,
             'measurement.pressure_noise': NOISE['chamber_pressure'],
             'measurement.position_noise': NOISE['valve_position']}
 

@@ -22,7 +22,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor, TimeoutException
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
@@ -36,6 +36,7 @@ from ..nodes.twin import TwinNode
 from ..programs.ros_domain import claim_domain
 from ..records import read_record
 from ..records.bag_writer import BagWriter
+from ..testing.handling import handle_waiting
 from ..twin.aligning import CHANNELS
 
 BEGIN = 1000.0
@@ -120,30 +121,21 @@ def play(bag: Path, parameters: dict[str, object]) -> Player:
     for node in (twin, player):
         executor.add_node(node)
 
-    def handle() -> None:
-        try:
-            while True:
-                handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
-                handler()
-                handler.result()
-        except TimeoutException:
-            pass
-
     try:
         turned = now = 0
         for stamp, topic, value in played:
             if stamp > now:
                 now = stamp
                 player.tick(stamp)
-                handle()
+                handle_waiting(executor)
             player.say(topic, value)
-            handle()
+            handle_waiting(executor)
             if stamp - turned >= TURN * NANOSECONDS:
                 turned = stamp
                 twin.turn()
-                handle()
+                handle_waiting(executor)
         twin.report()
-        handle()
+        handle_waiting(executor)
     finally:
         executor.shutdown()
         for node in (twin, player):

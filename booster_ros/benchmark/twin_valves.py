@@ -29,9 +29,15 @@ PROMISES = (1000.0 / 8766.0, 10.0, 100.0)
 """False alarms per 1000 h: one a year, and rates at which some are to be seen."""
 
 PIECE = 2000
-CHANNELS = ('chamber_pressure', 'valve_position')
+NOISE = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
+"""Of the readings, Pa and m."""
+
+CHANNELS = tuple(NOISE)
 NAMES = [(channel, kind) for channel in CHANNELS for kind in KINDS]
 CLEAN: dict[str, float] = {}
+DECLARED = {'supply.pressure': 400e3, 'ep_converter.gain': 540340406.719717,
+            'actuator.viscous_friction': 3000.0}
+"""What valves differ in from the model of their twin, as this has it."""
 
 
 class Run(NamedTuple):
@@ -59,15 +65,18 @@ def coloured(random: np.random.Generator, rho: float, size: int) -> np.ndarray:
     return lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], white)
 
 
+def near(random: np.random.Generator) -> dict[str, float]:
+    """Return the parameters of a valve that is near the model of its twin, but not equal."""
+    return {name: value * (1.0 + 0.002 * random.standard_normal())
+            for name, value in DECLARED.items()}
+
+
 def numbers_of(seed: int, fault: Mapping[str, float], lasts: float = LASTS) -> Run:
     """Return the blocks of a drawn valve, run beside a model that is near it but not equal."""
     random = np.random.default_rng(seed)
     time = np.arange(round(lasts * RATE)) / RATE
     current = _input(random, time)
-    declared = {'supply.pressure': 400e3, 'ep_converter.gain': 540340406.719717,
-                'actuator.viscous_friction': 3000.0}
-    true = {name: value * (1.0 + 0.002 * random.standard_normal())
-            for name, value in declared.items()}
+    true = near(random)
     rho = random.choice([0.0, 0.5, 0.9])
     rows = {'time': time, 'control_current': current}
     begin, state = 0, {'chamber_pressure': 2e5}
@@ -80,12 +89,11 @@ def numbers_of(seed: int, fault: Mapping[str, float], lasts: float = LASTS) -> R
             seen[name].append(told[f'measured_{name}'])
         state = {name: float(told[name][-1]) for name in CHANNELS}
         begin = end
-    sizes = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
     drift = np.sin(2.0 * np.pi * (time / 86400.0 + random.random()))
     for name, span in (('chamber_pressure', 400e3), ('valve_position', 0.016)):
-        rows[name] = (np.concatenate(seen[name]) + sizes[name] * coloured(random, rho, len(time))
+        rows[name] = (np.concatenate(seen[name]) + NOISE[name] * coloured(random, rho, len(time))
                       + 0.001 * span * random.random() * drift)
-    return Run(_blocks(from_values(declared), rows), CHANGES if fault else lasts)
+    return Run(_blocks(from_values(DECLARED), rows), CHANGES if fault else lasts)
 
 
 def _input(random: np.random.Generator, time: np.ndarray) -> np.ndarray:

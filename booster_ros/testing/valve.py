@@ -10,13 +10,14 @@ from typing import Any
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor, TimeoutException
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ..nodes.positioner import Positioner
 from ..programs.ros_domain import claim_domain
 from .bench import Bench
+from .handling import handle_waiting
 from .matching import wait_for_match
 from .series import Sample
 
@@ -117,15 +118,8 @@ class Valve(Bench):
 
     def turn(self) -> None:
         """Let the nodes handle what has come for them, without any time for the valve."""
-        if not self._nodes:
-            return
-        try:
-            while True:
-                handler, _, _ = self._executor.wait_for_ready_callbacks(timeout_sec=0.0)
-                handler()
-                handler.result()
-        except TimeoutException:
-            pass
+        if self._nodes:
+            handle_waiting(self._executor)
 
     def __enter__(self) -> Valve:
         """Return the valve itself."""
