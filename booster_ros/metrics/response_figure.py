@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
 from pathlib import Path
 
 from matplotlib.figure import Figure
 import numpy as np
 
 from ..records import Record
-from ..writing.replacement import write_file
+from ..writing.png import write_png
 from .step_response import StepResponse
 
 
@@ -43,6 +42,4 @@ def draw_responses(record: Record, steps: Sequence[StepResponse], path: Path) ->
     lower.set_xlabel('time, s')
     for panel in (upper, lower):
         panel.grid(alpha=0.3)
-    with BytesIO() as drawn:
-        figure.savefig(drawn, format='png', dpi=120)
-        write_file(path, drawn.getvalue())
+    write_png(path, figure)

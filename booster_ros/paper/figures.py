@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from io import BytesIO
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -14,7 +13,7 @@ import numpy as np
 from ..model.booster import Booster
 from ..model.simulation import simulate
 from ..model.system import PositionerParameters
-from ..writing.replacement import write_file
+from ..writing.png import write_png
 from .flow_bench import bench_flow, bench_force
 from .identification import StepRecord
 from .printed import FlowSeries
@@ -37,7 +36,7 @@ def draw_flow_bench(
         panel.grid(alpha=0.3)
     panels[0].set_ylabel('mass flow, 1e-4 kg/s')
     panels[0].legend(frameon=False, fontsize=8)
-    _save(figure, path)
+    write_png(path, figure)
 
 
 def _fine(series: FlowSeries) -> FlowSeries:
@@ -66,10 +65,4 @@ def draw_identification(
         panel.set_ylabel('valve position, mm')
         panel.grid(alpha=0.3)
     panels[0].legend(frameon=False)
-    _save(figure, path)
-
-
-def _save(figure: Figure, path: Path) -> None:
-    with BytesIO() as drawn:
-        figure.savefig(drawn, format='png', dpi=120)
-        write_file(path, drawn.getvalue())
+    write_png(path, figure)

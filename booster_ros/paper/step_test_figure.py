@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -13,7 +12,7 @@ from matplotlib.figure import Figure
 import numpy as np
 
 from ..records import Record
-from ..writing.replacement import write_file
+from ..writing.png import write_png
 from .indices import SETTLING_BAND
 from .step_test import StepResponse
 
@@ -31,9 +30,7 @@ def draw_step_test(record: Record, responses: Sequence[StepResponse], path: Path
     panels[0].set_title('0 → 0.4524 → 0 → 0.4524 mA over ROS 2 topics')
     panels[1].legend(loc='lower right', frameon=False)
     panels[-1].set_xlabel('time, s')
-    with BytesIO() as drawn:
-        figure.savefig(drawn, format='png', dpi=120)
-        write_file(path, drawn.getvalue())
+    write_png(path, figure)
 
 
 def _draw(panel: Axes, time: np.ndarray, values: np.ndarray, label: str, style: str) -> None:

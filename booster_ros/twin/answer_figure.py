@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from io import BytesIO
 from pathlib import Path
 import textwrap
 from typing import NamedTuple
@@ -13,7 +12,7 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 import numpy as np
 
-from ..writing.replacement import write_file
+from ..writing.png import write_png
 from .verdict import Verdict
 
 Array = np.ndarray
@@ -59,6 +58,4 @@ def draw_answer(answer: Answer, noise: float, path: Path) -> None:
     panel.set_ylabel('residual of the position, µm')
     panel.grid(alpha=0.3)
     figure.legend(loc='outside lower center', frameon=False, fontsize='small')
-    with BytesIO() as drawn:
-        figure.savefig(drawn, format='png', dpi=120)
-        write_file(path, drawn.getvalue())
+    write_png(path, figure)
