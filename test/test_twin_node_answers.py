@@ -30,7 +30,7 @@ from booster_ros.nodes.remote_parameters import RemoteParameters
 from booster_ros.nodes.twin import TwinNode
 from booster_ros.testing import Valve
 from booster_ros.twin.alarm import Alarm
-from booster_ros.twin.memory import Memory, OnTrial, recall, save
+from booster_ros.twin.memory import VERSION, Memory, OnTrial, recall, save
 from booster_ros.twin.verdict import Verdict
 
 RATE = 20.0
@@ -308,7 +308,7 @@ def twin_process(*parameters: str) -> RosProcess:
 
 def test_a_damaged_memory_is_said_and_made_anew(tmp_path):
     memory = tmp_path / 'twin.json'
-    memory.write_text('{"version": 1, "digest": "0", "content": "{}"}')
+    memory.write_text(f'{{"version": {VERSION}, "digest": "0", "content": "{{}}"}}')
     with twin_process(f'memory:={memory}') as node:
         line = node.wait_for('is damaged')
         assert 'twin.json.aside, and a new one is made' in line

@@ -146,34 +146,37 @@ class Beginnings:
     """Bets on that a change began with one of the last blocks; a sum of e-processes."""
 
     def __init__(self) -> None:
-        self._cells: list[tuple[int, int]] = []
-        self._logs: list[float] = []
+        self._cells = np.empty((0, 2), dtype=int)
+        self._worth = np.empty(0)
+        """E of each, the oldest first: it lives for so few blocks that it neither over- nor
+        underflows."""
 
     def as_values(self) -> list[Any]:
         """Return all that is known as plain values, for `restored`."""
-        return [[*cell, log] for cell, log in zip(self._cells, self._logs)]
+        return [[*cell, worth]
+                for cell, worth in zip(self._cells.tolist(), self._worth.tolist())]
 
     @classmethod
     def restored(cls, values: list[Any]) -> 'Beginnings':
         """Return those that `as_values` told of."""
         made = cls()
-        made._cells = [(int(third), int(activity)) for third, activity, _ in values]
-        made._logs = [float(log) for *_, log in values]
+        made._cells = np.array([[int(third), int(activity)] for third, activity, _ in values],
+                               dtype=int).reshape(-1, 2)
+        made._worth = np.array([float(worth) for *_, worth in values])
         return made
 
     def note(self, cell: tuple[int, int], seen: int, p: float, fixed: float) -> None:
         """Take a block's p-value, `seen` blocks of its cell before it; `fixed` is f(p)."""
-        self._cells = [*self._cells, cell][-BEGINNINGS:]
-        self._logs = [*self._logs, 0.0][-BEGINNINGS:]
-        same = np.array([one == cell for one in self._cells], dtype=float)
+        self._cells = np.concatenate([self._cells[1 - BEGINNINGS:], [cell]])
+        self._worth = np.append(self._worth[1 - BEGINNINGS:], 1.0)
+        same = (self._cells == cell).all(axis=1)
         q = np.minimum(np.cumsum(same[::-1])[::-1] / (seen + 1.0), 1.0)
-        gains = np.log(0.5 * fixed + np.where(p <= q, 0.5 / q, 0.0))
-        self._logs = (np.array(self._logs) + gains).tolist()
+        self._worth *= 0.5 * (fixed + (p <= q) / q)
 
     @property
-    def log_sum(self) -> float:
-        """Natural logarithm of the sum of all."""
-        return float(np.logaddexp.reduce(self._logs)) if self._logs else -math.inf
+    def sum(self) -> float:
+        """The sum of all."""
+        return float(self._worth.sum())
 
 
 class Detector:
@@ -212,7 +215,8 @@ class Detector:
     @property
     def log_evidence(self) -> float:
         """Natural logarithm of M: an alarm where it reaches that of the threshold."""
-        return float(np.logaddexp(self._log, self._beginnings.log_sum)) - math.log(2.0)
+        bets = self._beginnings.sum
+        return float(np.logaddexp(self._log, math.log(bets) if bets else -math.inf)) - math.log(2.0)
 
     @property
     def since(self) -> float:

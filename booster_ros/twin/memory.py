@@ -19,7 +19,8 @@ from ..model.system import PositionerParameters
 from ..writing.replacement import write_file
 from .verdict import Verdict
 
-VERSION = 1
+VERSION = 2
+"""Rises with each change of what a file holds."""
 
 ASIDE = '.aside'
 """What is appended to the name of a file that cannot be used, so that nothing is lost."""
