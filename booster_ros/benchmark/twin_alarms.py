@@ -54,7 +54,8 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     # a child that was forked would have half of the threads of a library
     with ProcessPoolExecutor(given.jobs, multiprocessing.get_context('spawn')) as pool:
-        tables = '\n\n'.join((_rates(pool, given.hours, given.drawn_hours, given.keep), _delays(pool)))
+        rates = _rates(pool, given.hours, given.drawn_hours, given.keep)
+        tables = f'{rates}\n\n{_delays(pool)}'
     print(tables)
     if given.write:
         twin_page.write(tables, COMMAND)
