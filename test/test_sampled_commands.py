@@ -67,3 +67,19 @@ def test_commands_that_were_recorded_when_they_were_given_stand(every):
     assert np.array_equal(experiment.current, columns['control_current'])
     assert experiment.ends is None
     assert all(np.isfinite(values).all() for values in experiment.measured.values())
+
+
+@pytest.mark.parametrize('seed', [1, 2, 3])
+def test_a_valve_that_is_quicker_than_the_model_is_not_ahead_of_commands_that_never_rest(seed):
+    rng = np.random.default_rng(seed)
+    time = 0.05 * np.arange(801)
+    angles = 2.0 * np.pi * rng.uniform(0.1, 0.9, (3, 1)) * time
+    current = 0.433e-3 + 6e-6 * np.sin(angles).sum(axis=0)
+    weak = DECLARED.ep_converter._replace(gain=0.85 * DECLARED.ep_converter.gain)
+    run = simulate(DECLARED._replace(ep_converter=weak), time, current,
+                   {'chamber_pressure': 190e3})
+    experiment = prepare(record_of(
+        time=time, control_current=current,
+        chamber_pressure=run['chamber_pressure'] + 150.0 * rng.standard_normal(len(time)),
+        valve_position=run['valve_position'] + 8e-6 * rng.standard_normal(len(time))), DECLARED)
+    assert experiment.ends is None

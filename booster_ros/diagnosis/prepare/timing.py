@@ -14,6 +14,9 @@ command. Then
 1. the command is taken to run straight from row to row: a command that moves on slowly did so;
 2. where commands jump, the declared model is run several times with each jump at either end of its
    row, and rows count once all runs come to the same, within the noise.
+
+Of a command that moves all the time nothing is told so: a valve that is quicker than the model is
+ahead of that too. Before a jump out of rest no valve moves.
 """
 
 from dataclasses import replace
@@ -36,7 +39,8 @@ quarter, and what two jumps leave may cancel in one of them."""
 
 AHEAD = 0.2
 """What the valve has done before the row of a command, as a share of what the command does after
-it, above which commands were read now and then."""
+it, above which commands were read now and then; and what a command may do in the rows beside a
+jump, as a share of that, for the valve to be at rest."""
 
 FEWEST = 5
 """Smallest number of jumps that tell: those before which the model moves by less than AHEAD, as a
@@ -119,7 +123,9 @@ def _ahead_of_commands(experiment: Experiment, declared: PositionerParameters) -
     apart = float(np.median(np.diff(experiment.time)))
     if np.ptp(current) == 0.0 or apart < declared.ep_converter.time_constant:
         return False
-    jumps = 1 + np.flatnonzero(np.abs(np.diff(current[:-1])) > LITTLE * np.ptp(current))
+    moves = np.pad(np.abs(np.diff(current[:-1])), 1)
+    alone = np.maximum(moves[:-2], moves[2:]) < AHEAD * moves[1:-1]
+    jumps = 1 + np.flatnonzero(alone & (moves[1:-1] > LITTLE * np.ptp(current)))
     predicted = experiment.predict(declared)
     return any(_ahead(measured, predicted[name], jumps, experiment.noise[name])
                for name, measured in experiment.measured.items())
