@@ -147,3 +147,14 @@ def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_rec
     assert ended.cost < 0.5 * refit.cost
     low, high = found.problem.bounds()
     assert all((low <= z).all() and (z <= high).all() for _, z, _ in found.starts)
+
+
+@pytest.mark.parametrize(('bias', 'places'), [(30e3, 3), (1e3, 2)])
+def test_what_only_an_unlikely_gain_explains_at_rest_is_screened_for_as_given_too(bias, places):
+    plant = P._replace(sensors=P.sensors._replace(pressure_bias=bias))
+    problem = task_of(seen(plant)).problem()
+    around = references(problem, fit(problem))
+    assert len(around) == places
+    at_rest = [f.knob.parameter for f in problem.freedoms].index('ep_converter.gain')
+    assert around[1].z[at_rest] != 0.0
+    assert all(one.z[at_rest] == 0.0 for one in around[2:])

@@ -32,6 +32,7 @@ from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.parametrisation import TOLD_AT_REST, Free
 from booster_ros.diagnosis.estimation.problem import DIFFERENCE, Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effect
+from booster_ros.diagnosis.selection.decide import TIE
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
@@ -205,7 +206,8 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
     A refit without the effect may have bent the declared parameters so far to imitate it that
     the true ones are out of linear reach; the given ones are near them. But a pressure that is
     off at every rest, as a gain may be off by a percent, hides what the given ones lack. With the
-    measured stem as a drive, nothing shifts the rests but what is looked for: it is none there.
+    measured stem as a drive, nothing shifts the rests but what is looked for: it is none there. And
+    what has to be further off than is known of it imitates what shifts them: then also as given.
     """
     if not any(free.as_given for free in problem.freedoms):
         return [reference_at(problem, found)]
@@ -215,9 +217,13 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
             given[j] = found.z[j]
     at_rest = [j for j, free in enumerate(problem.freedoms)
                if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
+    places = [given]
     if at_rest and not problem.experiment.pinned:
-        given = _refitted(problem, given, at_rest)
-    return [reference_at(problem, place) for place in (found, fit_at(problem, given))]
+        rested = _refitted(problem, given, at_rest)
+        far = 0.5 * float(np.sum(rested[at_rest]**2)) > TIE
+        places = [rested, given] if far else [rested]
+    return [reference_at(problem, found),
+            *(reference_at(problem, fit_at(problem, place)) for place in places)]
 
 
 def _refitted(problem: Problem, z: Array, which: list[int]) -> Array:
