@@ -1,10 +1,14 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which screened effects are fitted to their end, by where their first steps led."""
+"""Which screened effects are fitted to their end, and that they end where they should."""
 
 from types import SimpleNamespace
 
-from booster_ros.diagnosis.selection.neighbours import _furthest
+from made_task import P, seen, task_of
+import numpy as np
+import pytest
+
+from booster_ros.diagnosis.selection.neighbours import _furthest, neighbours, refitted
 
 
 def order(costs, noticed):
@@ -23,3 +27,16 @@ def test_of_steps_that_lost_their_way_screening_tells_the_order_wherever_they_en
     for far in (500.0, 101.0):
         assert order({'idle': (99.9, 99.9), 'right': (40.0, far), 'gained': (95.0, 75.0)},
                      80.0) == ['gained', 'right', 'idle']
+
+
+@pytest.mark.parametrize(('leak', 'seed'), [(2e-8, 4), (4e-8, 1)])
+def test_small_leaks_that_do_the_same_to_a_record_have_the_same_evidence(leak, seed):
+    """What screening bends the declared parameters to must not decide between them."""
+    time = np.arange(0.0, 20.0, 0.05)
+    angles = 2.0 * np.pi * np.random.default_rng(seed).uniform(0.1, 0.9, (3, 1)) * time
+    plant = P._replace(actuator=P.actuator._replace(leak_area=leak))
+    record = seen(plant, None, 2.3e5, 0.433e-3 + 5e-6 * np.sin(angles).sum(axis=0), seed, time)
+    task = task_of(record, ('chamber_leak', 'exhaust_seat_leak'))
+    near = neighbours(task, refitted(task), task.names).near
+    assert len(near) == 2
+    assert abs(near[0].score.log_evidence() - near[1].score.log_evidence()) < 0.3

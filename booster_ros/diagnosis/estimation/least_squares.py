@@ -63,6 +63,7 @@ class _Slopes:
         self._here: tuple[Array, Array] | None = None
         self._asked: tuple[Array, Array] | None = None
         self.corrected = begun is not None
+        self.formed = begun
 
     def residuals(self, v: Array) -> Array:
         for place in (self._asked, self._here):
@@ -93,7 +94,8 @@ class _Slopes:
 
     def _formed(self, v: Array, r: Array) -> Array:
         self.corrected = False
-        return self._differences(v, r, self._jacobian)
+        self.formed = self._differences(v, r, self._jacobian)
+        return self.formed
 
 
 def descend(residuals: Residuals, differences: Differences, begin: Array, low: Array, high: Array,
@@ -118,7 +120,9 @@ def descend(residuals: Residuals, differences: Differences, begin: Array, low: A
         evaluations -= found.nfev - 1
         ended = not known.corrected or cost - found.cost < converged * cost
         if ended or evaluations < 2:
-            return Descent(v - _SHIFT, 2.0 * found.cost, found.jac)
+            # steps too short to gain anything have corrected it by the solver's error alone
+            told = known.formed if ended and known.formed is not None else found.jac
+            return Descent(v - _SHIFT, 2.0 * found.cost, told)
         cost = found.cost
         known.renew(v)
 

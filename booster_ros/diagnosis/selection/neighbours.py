@@ -79,8 +79,10 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
               if name not in parent.effects and not redundant(name, parent.effects)]
     if parent.reduced_chi2 < NOISE:
         begun = _small(task, parent, wanted)
-        return Neighbours([fitted_to_every_row(task, (*parent.effects, name), problem, z)
-                           for name, problem, z in begun], [])
+        # what had imitated the effect may have gone far: they begin as given as well
+        return Neighbours([
+            fitted_to_every_row(task, (*parent.effects, name), problem, z, nominal(problem, z))
+            for name, problem, z in begun], [])
     thin = _begun(task, parent, wanted, tick)
     # every row tells yet more than thinned ones
     near = [one for same in by_observation(thin) for one in near_best(same, TIE)]
