@@ -19,7 +19,7 @@ from booster_ros.twin.learning import join_of
 from booster_ros.twin.predictor import Predictor, roles, smoothed
 from booster_ros.twin.settings import check
 from booster_ros.twin.store import Store, StoreError
-from booster_ros.twin.summaries import Summary
+from booster_ros.twin.summaries import Summary, joined
 from booster_ros.twin.trends import Counters
 from booster_ros.twin.twin import Twin
 
@@ -200,6 +200,25 @@ def test_a_clear_change_is_seen_though_its_own_blocks_are_soon_among_those_it_is
     numbers[100:] += 30.0
     told = [k for k, x in enumerate(numbers) if detector.note(float(k), CELL, float(x))]
     assert 100 < told[0] < 115
+
+
+def test_a_clear_change_is_seen_where_few_blocks_of_each_cell_were_learnt():
+    """Twelve blocks a cell: each block tells little, and most of what there is has to be bet."""
+    random = np.random.default_rng(0)
+    detector = Detector(0.0, 1e8)
+    numbers = random.standard_normal(148)
+    numbers[48:] += 30.0
+    told = [k for k, x in enumerate(numbers) if detector.note(
+        float(k), (k % 4, 0), float(x))]
+    assert 48 < told[0] < 78
+
+
+def test_blocks_that_are_joined_have_the_cell_of_most_of_them():
+    cells = [(1, 0), (1, 1), (1, 0), (1, 0)]
+    one = joined([block._replace(cells={'valve_position': cell}) for block, cell in zip(
+        blocks_of(np.zeros(4)), cells)])
+    assert one.cells == {'valve_position': (1, 0)}
+    assert (one.begin, one.end) == (0.0, 80.0)
 
 
 def test_another_operating_point_is_no_alarm():

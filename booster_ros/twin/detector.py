@@ -65,6 +65,10 @@ FEWEST = 30
 BEGINNINGS = 100
 """Blocks back to which a change is taken to have begun by those who bet on its beginning."""
 
+STAKES = np.array([0.5, 0.9])
+"""Shares that are bet on a beginning: much of it where few blocks were learnt, as then each tells
+little; less of it where a change does not show in every block."""
+
 MOST = 20_000
 """Scores kept of a cell; then each new one takes the place of one at random, so that those kept are
 a random sample of all."""
@@ -147,36 +151,38 @@ class Beginnings:
 
     def __init__(self) -> None:
         self._cells = np.empty((0, 2), dtype=int)
-        self._worth = np.empty(0)
-        """E of each, the oldest first: it lives for so few blocks that it neither over- nor
-        underflows."""
+        self._worth = np.empty((0, len(STAKES)))
+        """E of each, by stake, the oldest first: it lives for so few blocks that it neither over-
+        nor underflows."""
 
     def as_values(self) -> list[Any]:
         """Return all that is known as plain values, for `restored`."""
-        return [[*cell, worth]
+        return [[*cell, *worth]
                 for cell, worth in zip(self._cells.tolist(), self._worth.tolist())]
 
     @classmethod
     def restored(cls, values: list[Any]) -> 'Beginnings':
         """Return those that `as_values` told of."""
         made = cls()
-        made._cells = np.array([[int(third), int(activity)] for third, activity, _ in values],
-                               dtype=int).reshape(-1, 2)
-        made._worth = np.array([float(worth) for *_, worth in values])
+        for third, activity, *worth in values:
+            made._add((int(third), int(activity)), [float(one) for one in worth])
         return made
+
+    def _add(self, cell: tuple[int, int], worth: list[float]) -> None:
+        self._cells = np.concatenate([self._cells[1 - BEGINNINGS:], [cell]])
+        self._worth = np.concatenate([self._worth[1 - BEGINNINGS:], [worth]])
 
     def note(self, cell: tuple[int, int], seen: int, p: float, fixed: float) -> None:
         """Take a block's p-value, `seen` blocks of its cell before it; `fixed` is f(p)."""
-        self._cells = np.concatenate([self._cells[1 - BEGINNINGS:], [cell]])
-        self._worth = np.append(self._worth[1 - BEGINNINGS:], 1.0)
+        self._add(cell, [1.0] * len(STAKES))
         same = (self._cells == cell).all(axis=1)
         q = np.minimum(np.cumsum(same[::-1])[::-1] / (seen + 1.0), 1.0)
-        self._worth *= 0.5 * (fixed + (p <= q) / q)
+        self._worth *= np.outer((p <= q) / q, STAKES) + fixed * (1.0 - STAKES)
 
     @property
     def sum(self) -> float:
-        """The sum of all."""
-        return float(self._worth.sum())
+        """The sum of all, each the mean over its stakes."""
+        return float(self._worth.sum()) / len(STAKES)
 
 
 class Detector:

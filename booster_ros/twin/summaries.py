@@ -3,6 +3,7 @@
 """What a block of residuals is summarised by: by channel a few numbers, and an operating cell."""
 
 from collections.abc import Mapping, Sequence
+from statistics import mode
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -99,12 +100,11 @@ def _cell(said: Array) -> tuple[int, int]:
 
 
 def joined(blocks: list[Summary]) -> Summary:
-    """Return several blocks as one: numbers averaged, of each channel the cell of most motion."""
+    """Return several blocks as one: numbers averaged, of each channel the cell of most blocks."""
     names = dict.fromkeys(name for one in blocks for name in one.numbers)
     return Summary(
         blocks[0].begin, blocks[-1].end,
-        {channel: max((one.cells[channel] for one in blocks if channel in one.cells),
-                      key=lambda cell: cell[1])
+        {channel: mode(one.cells[channel] for one in blocks if channel in one.cells)
          for channel in dict.fromkeys(channel for one in blocks for channel in one.cells)},
         {name: float(np.mean([one.numbers[name] for one in blocks if name in one.numbers]))
          for name in names})
