@@ -13,7 +13,8 @@ from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
 from booster_ros.diagnosis.selection.stepwise import (
-    _Trace, _upstream_first, comparison, explained, leaves_noise, select)
+    _best, _Trace, _upstream_first, comparison, leaves_noise, select)
+from booster_ros.diagnosis.selection.task import explained
 from booster_ros.model.discrepancy import KNOTS, STEM, VALVE_POSITION, Discrepancy
 
 LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2])
@@ -72,6 +73,17 @@ def test_what_is_explained_is_of_what_was_there_beyond_noise(models, before, aft
     assert explained(replace(leak, reduced_chi2=after),
                      replace(root, reduced_chi2=before)) == pytest.approx(share)
     assert leaves_noise(replace(root, reduced_chi2=1.1))
+
+
+def test_of_laws_of_friction_that_leave_what_idealising_leaves_the_first_counts():
+    """Whatever the evidence: a law is never quite the valve's, and a richer one takes up more."""
+    task = task_of(recorded(), ('stem_friction', 'position_dependent_friction'), ())
+    root = replace(as_given(task), reduced_chi2=100.0)
+    plain, rich = (as_given(task, name) for name in task.names)
+    rich = replace(rich, reduced_chi2=1.2, score=replace(rich.score, cost=0.5 * plain.score.cost))
+    for left, expected in ((2.0, 'stem_friction'), (20.0, 'position_dependent_friction')):
+        found = _best(task, root, [replace(plain, reduced_chi2=left), rich])
+        assert found.effects == (expected,)
 
 
 def test_where_nothing_is_missing_the_score_test_promises_nothing():

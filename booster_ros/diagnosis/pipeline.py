@@ -30,9 +30,8 @@ from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, errors_of)
 from booster_ros.diagnosis.selection.decide import LARGE, TIE, Comparison, compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
-from booster_ros.diagnosis.selection.stepwise import (
-    Progress, Selection, comparison, explained, select)
-from booster_ros.diagnosis.selection.task import PLACES, Model, Task, near_best
+from booster_ros.diagnosis.selection.stepwise import Progress, Selection, comparison, select
+from booster_ros.diagnosis.selection.task import PLACES, Model, Task, explained, near_best
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import VARIABLES, covered
 from booster_ros.model.parameters import DESCRIPTIONS

@@ -27,7 +27,7 @@ from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
     BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.diagnosis.selection.task import (
-    Model, Task, by_observation, near_best, upstream_task)
+    Model, Task, by_observation, idealised, near_best, upstream_task)
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
@@ -85,7 +85,8 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
             for name, problem, z in begun], [])
     thin = _begun(task, parent, wanted, tick)
     # every row tells yet more than thinned ones
-    near = [one for same in by_observation(thin) for one in near_best(same, TIE)]
+    near = [one for same in by_observation(thin) for one in same
+            if idealised(one, parent) or one in near_best(same, TIE)]
     found = []
     for one in near:
         found.append(one if one.problem.observation is WINDOWS else fitted_to_every_row(

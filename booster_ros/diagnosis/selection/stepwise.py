@@ -25,7 +25,7 @@ from booster_ros.diagnosis.selection.decide import (
     NEARLY_ALL, NOISE, TIE, Comparison, TraceStep, compare, why_not)
 from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
 from booster_ros.diagnosis.selection.task import (
-    Model, Task, by_observation, near_best, upstream_task)
+    Model, Task, by_observation, explained, idealised, near_best, upstream_task)
 from booster_ros.diagnosis.selection.terms import best_terms
 from booster_ros.model.catalogue import EFFECTS
 
@@ -142,7 +142,7 @@ def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> t
               if trace.accepts(above, one, parent, found.near, len(above.names))]
     whole = [refitted(task, one.effects, root.fit, one.fit) for one in likely]
     trace.models += whole
-    return task, _best(task, whole) or root
+    return task, _best(task, root, whole) or root
 
 
 def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress) -> Model:
@@ -152,7 +152,7 @@ def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress
         chosen = parent
     for level in range(len(parent.effects), MOST_EFFECTS):
         # a law is never quite the valve's: what it leaves within the noise is no second effect
-        if parent.effects and (leaves_noise(parent) or _idealised(parent, root)):
+        if parent.effects and (leaves_noise(parent) or idealised(parent, root)):
             break
         done = itertools.count(1)
 
@@ -162,7 +162,7 @@ def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress
 
         found = neighbours(task, parent, _names(task, parent), tick)
         trace.models += [*found.near, *found.far]
-        best = _best(task, found.near)
+        best = _best(task, parent, found.near)
         if best is not None and trace.accepts(task, best, chosen, found.near, len(task.names)):
             chosen = parent = best
         elif best is None or parent is not chosen:
@@ -170,11 +170,6 @@ def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress
         else:
             parent = best
     return chosen
-
-
-def _idealised(model: Model, root: Model) -> bool:
-    """Tell whether no more is left of slips than idealising friction leaves."""
-    return model.problem.observation is WINDOWS and explained(model, root) > NEARLY_ALL
 
 
 def _names(task: Task, parent: Model) -> tuple[str, ...]:
@@ -185,17 +180,17 @@ def _names(task: Task, parent: Model) -> tuple[str, ...]:
                  if not is_upstream(name) and not EFFECTS[name].rubs)
 
 
-def _best(task: Task, found: list[Model]) -> Model | None:
+def _best(task: Task, parent: Model, found: list[Model]) -> Model | None:
     """
     Return the best of several neighbours of a model, None of none.
 
     Of those whose evidence is within TIE of the best one's, the first in the catalogue, which
-    lists common causes first. Models of a stem that sticks are compared with the best of the
-    others by statistics of windows.
+    lists common causes first; of idealised laws of friction, the first whatever their evidence.
+    Models of a stem that sticks are compared with the best of the others by statistics of windows.
     """
     order = list(EFFECTS)
-    best = [min(near_best(same, TIE), key=lambda one: order.index(one.effects[-1]))
-            for same in by_observation(found)]
+    best = [min([one for one in same if idealised(one, parent)] or near_best(same, TIE),
+                key=lambda one: order.index(one.effects[-1])) for same in by_observation(found)]
     if len(best) < 2:
         return best[0] if best else None
     first, second = sorted(best, key=lambda one: one.problem.observation is WINDOWS)
@@ -222,12 +217,6 @@ def leaves_noise(model: Model) -> bool:
 def _leaves_structure(chosen: Model, root: Model) -> bool:
     """Tell whether so much is left that a term without a name may explain it better."""
     return not leaves_noise(chosen) and explained(chosen, root) < NEARLY_ALL
-
-
-def explained(chosen: Model, root: Model) -> float:
-    """Return the share of what the declared model leaves beyond noise that the other explains."""
-    missing = root.reduced_chi2 - 1.0
-    return (root.reduced_chi2 - chosen.reduced_chi2) / missing if missing > 0.0 else 0.0
 
 
 def _replaced(task: Task, chosen: Model, unnamed: list[Model], trace: _Trace) -> Model:

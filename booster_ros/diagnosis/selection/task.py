@@ -11,11 +11,13 @@ import numpy as np
 from booster_ros.diagnosis.data.blocks import Segment, rows_of, training_blocks
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.fit import Fit, fit_at
+from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effects
 from booster_ros.diagnosis.hypotheses.subsystem import THINNING as UPSTREAM_THINNING
 from booster_ros.diagnosis.hypotheses.subsystem import free_upstream, is_upstream, upstream
+from booster_ros.diagnosis.selection.decide import NEARLY_ALL
 from booster_ros.diagnosis.selection.score import Score, score_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.system import PositionerParameters
@@ -114,6 +116,17 @@ def near_best(models: Sequence[Model], behind: float) -> list[Model]:
     c = min(models, key=lambda one: one.score.cost).score.dispersion
     top = max(one.score.log_evidence(c) for one in models)
     return [one for one in models if one.score.log_evidence(c) > top - behind]
+
+
+def explained(chosen: Model, root: Model) -> float:
+    """Return the share of what the declared model leaves beyond noise that the other explains."""
+    missing = root.reduced_chi2 - 1.0
+    return (root.reduced_chi2 - chosen.reduced_chi2) / missing if missing > 0.0 else 0.0
+
+
+def idealised(model: Model, root: Model) -> bool:
+    """Tell whether no more is left of slips than idealising friction leaves."""
+    return model.problem.observation is WINDOWS and explained(model, root) > NEARLY_ALL
 
 
 def thinned(experiment: Experiment, factor: int) -> tuple[Experiment, Array]:
