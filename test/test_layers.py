@@ -31,7 +31,7 @@ MAY_IMPORT = {
                   'diagnosis/hypotheses', 'diagnosis/judging', 'diagnosis/selection'},
     'report': {'model', 'records', 'parameters', 'diagnosis'},
     'metrics': {'records', 'writing'},
-    'twin': {'model', 'signals', 'parameters', 'records', 'writing'},
+    'twin': {'model', 'signals', 'parameters', 'records', 'writing', 'metrics'},
     'paper': {'model', 'records', 'diagnosis/estimation', 'writing'},
     'measured': {'model', 'records', 'parameters', 'diagnosis', 'report', 'paper'},
     'nodes': {'model', 'records', 'faults', 'parameters', 'control', 'twin'},

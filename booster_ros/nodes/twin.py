@@ -25,6 +25,7 @@ from ..model.parameters import ParameterError, from_values
 from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
 from ..twin.alarm import Alarm
+from ..twin.condition import condition
 from ..twin.health import FAILURE, GOOD, MAINTENANCE, OUT_OF_SPECIFICATION
 from ..twin.settings import DESCRIPTIONS, TwinSettings, check, checked
 from ..twin.store import Store, StoreError
@@ -87,6 +88,8 @@ class TwinNode(Node):
             self, self.twin, self._settings.answers, recalled, self.remember)
         self._inputs = TwinInputs(self, self._on_sample)
         self._read: list[float] = []
+        self._condition: dict[str, float] = {}
+        """Figures of the valve by the last minutes, as they were told last."""
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / self._settings.rate, self.turn, clock=steady)
         self.create_timer(REPORT_PERIOD, self.report, clock=steady)
@@ -151,9 +154,10 @@ class TwinNode(Node):
         self._memory.save(self.twin, self._answers)
 
     def keep(self) -> None:
-        """Append the trends to the store, and keep what has been learnt since."""
+        """Find the valve's condition, append the trends to the store, keep what has been learnt."""
         if self._memory.is_due(self.twin):
             self.remember()
+        self._condition = condition(self.twin.history.record(), self.twin.parameters).values
         if self._store and self.twin.now:
             self._store.trends(max(now.time for now in self.twin.now.values()),
                                self._trend_values())
@@ -162,7 +166,7 @@ class TwinNode(Node):
         read, self._read = self._read, []
         if read:
             self._counters.add(np.array(read))
-        values = dict(self._counters.values)
+        values = {**self._counters.values, **self._condition}
         for name, now in self.twin.now.items():
             values |= {f'{name}: {key}': value for key, value in (
                 ('residual', now.read - now.said), ('misfit', now.uncertainty),
