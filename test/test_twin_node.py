@@ -117,3 +117,6 @@ def test_a_fault_makes_a_healthy_valve_one_that_needs_maintenance(tmp_path):
         assert kept.execute('SELECT count(*) FROM alarm').fetchone()[0] > 0
         way, = kept.execute("SELECT value FROM trend WHERE name = 'way [m]'").fetchone()
         assert 0.05 < way < 10.0
+        # the last minute, in which the packing rubs
+        friction, = kept.execute("SELECT value FROM trend WHERE name = 'friction [N]'").fetchone()
+        assert 200.0 < friction < 330.0
