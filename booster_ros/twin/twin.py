@@ -3,6 +3,7 @@
 """The twin of one valve: samples in; prediction, residuals, alarms and health out."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 import math
 from typing import Any, NamedTuple
 
@@ -55,15 +56,18 @@ class Now(NamedTuple):
         return (self.read - self.said) / self.noise if self.noise > 0.0 else math.nan
 
 
-class _Before(NamedTuple):
-    """What goes on beside a model on trial, and comes back where that fails."""
+@dataclass
+class _Running:
+    """A model beside the valve, and how the valve is by it."""
 
     parameters: PositionerParameters
-    predictor: Predictor
-    alarms: Alarms | None
-    misfit: dict[str, float]
-    learnt: dict[str, float]
-    latched: list[Alarm]
+    predictor: Predictor | None = None
+    """None before the channels are known."""
+    alarms: Alarms | None = None
+    misfit: dict[str, float] = field(default_factory=dict)
+    learnt: dict[str, float] = field(default_factory=dict)
+    """The largest misfit of each channel while the valve was learnt."""
+    latched: list[Alarm] = field(default_factory=list)
 
 
 class Twin:
@@ -84,20 +88,15 @@ class Twin:
         """The comparison of the model that runs with the one before, None where there is none."""
         self.remark = ''
         """A sentence on a calibration that was recalled: that it goes on, or why it is no use."""
-        self._before: _Before | None = None
+        self._model = _Running(parameters)
+        self._before: _Running | None = None
+        """What goes on beside a model on trial, and comes back where that fails."""
         self._recalled: Mapping[str, Any] | None = None
-        self.latched: list[Alarm] = []
-        """Alarms since the last acknowledgement."""
         self.now: dict[str, Now] = {}
-        self._parameters, self._compiled = parameters, compiled
-        self._predictor: Predictor | None = None
-        self._alarms: Alarms | None = None
+        self._compiled = compiled
         self._came: dict[str, float] = {}
         self._begun = math.nan
         self._noise: dict[str, float] = {}
-        self._misfit: dict[str, float] = {}
-        self._learnt: dict[str, float] = {}
-        """The largest of each while the valve was learnt."""
         self._block: Prediction | None = None
         self._gap: float | None = None
         """Longest gap, s, of this valve; None while it is not known."""
@@ -107,21 +106,17 @@ class Twin:
     @property
     def parameters(self) -> PositionerParameters:
         """The parameters of the model that runs."""
-        return self._parameters
+        return self._model.parameters
 
     def adopt(self, parameters: PositionerParameters) -> None:
         """Run another model from now on; what is healthy for it has to be learnt anew."""
-        self._parameters = parameters
-        self._predictor = self._alarms = None
-        self._block, self._misfit, self._learnt, self.latched = None, {}, {}, []
+        self._model, self._block = _Running(parameters), None
 
     def try_out(self, parameters: PositionerParameters, seconds: float) -> None:
         """Run another model on trial: `seconds` s beside the one so far, see `adoption`."""
-        if self._predictor is None:
+        if not self.runs:
             raise RuntimeError('nothing runs that another model could be compared with')
-        self._before = _Before(
-            self._parameters, self._predictor, self._alarms, self._misfit, self._learnt,
-            self.latched)
+        self._before = self._model
         self.adopt(parameters)
         assert self._gap is not None
         self.trial = Trial(seconds, self._gap)
@@ -132,9 +127,7 @@ class Twin:
         assert self._before is not None
         outcome = self.trial.outcome(self._noise)
         if not outcome.is_kept:
-            (self._parameters, self._predictor, self._alarms, self._misfit, self._learnt,
-             self.latched) = self._before
-            self._block = None
+            self._model, self._block = self._before, None
         self.trial = self._before = None
         return outcome
 
@@ -144,18 +137,13 @@ class Twin:
 
         Of a model on trial nothing is told, but of the one before.
         """
-        parameters, alarms, learnt = self._parameters, self._alarms, self._learnt
-        latched = self.latched
-        if self._before is not None:
-            parameters, alarms, learnt = (
-                self._before.parameters, self._before.alarms, self._before.learnt)
-            latched = self._before.latched
-        if alarms is None:
+        model = self._before or self._model
+        if model.alarms is None:
             return None
         return {
-            'model': digest_of(parameters), 'channels': sorted(self._came), 'noise': self._noise,
-            'learnt': learnt, 'alarms': alarms.as_values(),
-            'latched': [list(one) for one in latched]}
+            'model': digest_of(model.parameters), 'channels': sorted(self._came),
+            'noise': self._noise, 'learnt': model.learnt, 'alarms': model.alarms.as_values(),
+            'latched': [list(one) for one in model.latched]}
 
     def recall(self, calibration: Mapping[str, Any]) -> None:
         """Go on from a calibration once the channels are known; `remark` says if it is no use."""
@@ -168,7 +156,7 @@ class Twin:
         if recalled is None:
             return None
         try:
-            if recalled['model'] != digest_of(self._parameters):
+            if recalled['model'] != digest_of(self._model.parameters):
                 self.remark = 'the calibration is of another model: it is made anew'
                 return None
             alarms = Alarms.restored(self.settings, names, recalled['alarms'])
@@ -176,8 +164,8 @@ class Twin:
                 self.remark = ('the calibration is of other channels or of other parameters of '
                                'alarms: it is made anew')
                 return None
-            self.latched = [Alarm(*one) for one in recalled['latched']]
-            self._noise, self._learnt = (
+            self._model.latched = [Alarm(*one) for one in recalled['latched']]
+            self._noise, self._model.learnt = (
                 {str(name): float(one) for name, one in recalled[kind].items()}
                 for kind in ('noise', 'learnt'))
         except (KeyError, TypeError, ValueError) as error:
@@ -188,18 +176,23 @@ class Twin:
 
     def acknowledge(self) -> None:
         """Take the alarms as seen."""
-        self.latched = []
+        self._model.latched = []
+
+    @property
+    def latched(self) -> list[Alarm]:
+        """Alarms since the last acknowledgement."""
+        return self._model.latched
 
     @property
     def alarms(self) -> Alarms | None:
         """The alarms; None before the channels are known."""
-        return self._alarms
+        return self._model.alarms
 
     @property
     def spans(self) -> dict[str, float]:
         """The spans that residuals are shares of: Pa, m."""
-        return {PRESSURE: self._parameters.supply.pressure,
-                POSITION: self._parameters.actuator.travel}
+        return {PRESSURE: self._model.parameters.supply.pressure,
+                POSITION: self._model.parameters.actuator.travel}
 
     def add(self, channel: str, stamp: float, value: float) -> None:
         """Take a sample: stamp in s, value in SI units, pressures gauge."""
@@ -211,13 +204,13 @@ class Twin:
 
     def update(self) -> list[Alarm]:
         """Go on over the samples that are complete; return new alarms."""
-        if self._predictor is None and not self._listened():
+        if self._model.predictor is None and not self._listened():
             return []
-        assert self._predictor is not None
+        assert self._model.predictor is not None
         if self.aligner.jumped:
             self.aligner.jumped = False
-            self._predictor.restart()
-            if self._before is not None:
+            self._model.predictor.restart()
+            if self._before is not None and self._before.predictor is not None:
                 self._before.predictor.restart()
             self.history.clear()
             self._block = None
@@ -225,14 +218,15 @@ class Twin:
         if not len(rows['time']):
             return []
         self.history.add(rows)
-        said = self._predictor.advance(rows)
+        said = self._model.predictor.advance(rows)
         if self.trial is not None and self._before is not None:
+            assert self._before.predictor is not None
             self.trial.note(self._before.predictor.advance(rows), said)
         if not len(said.time):
             return []
         self._show(said)
         found = self._end_blocks(said)
-        self.latched = [*self.latched, *found]
+        self._model.latched = [*self.latched, *found]
         return found
 
     def _end_blocks(self, said: Prediction) -> list[Alarm]:
@@ -249,7 +243,7 @@ class Twin:
     @property
     def runs(self) -> bool:
         """Whether a model runs."""
-        return self._predictor is not None
+        return self._model.predictor is not None
 
     def _listened(self) -> bool:
         newest = max(self._came.values(), default=-math.inf)
@@ -264,10 +258,10 @@ class Twin:
             return False
         if self._gap is None:
             self._gap = self.history.gap = self.aligner.longest_gap()
-        self._predictor = Predictor(
-            self._parameters, frozenset(self._came), self._compiled, gap=self._gap)
-        names = [(channel, kind) for channel in self._predictor.channels for kind in KINDS]
-        self._alarms = self._restored(names) or Alarms(self.settings, names)
+        self._model.predictor = Predictor(
+            self._model.parameters, frozenset(self._came), self._compiled, gap=self._gap)
+        names = [(channel, kind) for channel in self._model.predictor.channels for kind in KINDS]
+        self._model.alarms = self._restored(names) or Alarms(self.settings, names)
         return True
 
     def _show(self, said: Prediction) -> None:
@@ -278,21 +272,21 @@ class Twin:
                 k = places[-1]
                 self.now[name] = Now(
                     float(said.time[k]), float(read[k]), float(values[k]),
-                    self._misfit.get(name, math.nan), self._noise.get(name, math.nan))
+                    self._model.misfit.get(name, math.nan), self._noise.get(name, math.nan))
 
     def _judge(self, rows: Prediction) -> list[Alarm]:
         for name, left in rows.left.items():
             self._follow(self._noise, name, white_noise(rows.read[name]))
             known = left[np.isfinite(left)]
             if len(known):
-                self._follow(self._misfit, name, float(np.sqrt(np.mean(known**2))))
+                self._follow(self._model.misfit, name, float(np.sqrt(np.mean(known**2))))
         self._rows = len(rows.time)
         block = summary(rows.time, rows.said, rows.left, self.spans)
-        assert self._alarms is not None
-        if not self._alarms.promised:
-            self._learnt = {name: max(size, self._learnt.get(name, 0.0))
-                            for name, size in self._misfit.items()}
-        return [] if block is None else self._alarms.note(block)
+        assert self._model.alarms is not None
+        if not self._model.alarms.promised:
+            self._model.learnt = {name: max(size, self._model.learnt.get(name, 0.0))
+                            for name, size in self._model.misfit.items()}
+        return [] if block is None else self._model.alarms.note(block)
 
     def _follow(self, levels: dict[str, float], name: str, new: float) -> None:
         if math.isfinite(new):
@@ -309,22 +303,23 @@ class Twin:
     def health(self) -> Health:
         """Health by NAMUR NE 107."""
         lacking = 'waiting for samples of the valve'
-        if self._predictor is not None and not self._predictor.channels:
+        if self._model.predictor is not None and not self._model.predictor.channels:
             lacking = ('what comes of the valve (' + ', '.join(sorted(self._came))
                        + ') does not drive a model and tell what comes of it')
         elif 0 < self._rows < FEWEST_ROWS:
             lacking = (f'{self._rows} rows have come in a block of {self.settings.block:g} s, and '
                        f'{FEWEST_ROWS} are needed: the parameter block has to be larger')
-        elif self._alarms is not None:
-            lacking = self._alarms.lacking
+        elif self._model.alarms is not None:
+            lacking = self._model.alarms.lacking
         beyond = [
             f'{name} reads {now.read:.4g}, beyond what this valve can have'
             for name, now in self.now.items() if name in COMPARED
             and not -BEYOND + 1.0 <= now.read / self.spans[name] <= BEYOND]
+        learnt = self._model.learnt
         beyond += [
-            f'the model misses {name} by {size / self._learnt[name]:.1f} times the most it did '
-            'while the valve was learnt' for name, size in self._misfit.items()
-            if name in self._learnt and size > TIMES_LEARNT * self._learnt[name]
+            f'the model misses {name} by {size / learnt[name]:.1f} times the most it did '
+            'while the valve was learnt' for name, size in self._model.misfit.items()
+            if name in learnt and size > TIMES_LEARNT * learnt[name]
             and name not in {one.channel for one in self.latched}]
         worst = {(one.channel, one.kind): one.sentence for one in self.latched}
         return health(self.silent(), list(worst.values()), beyond, lacking)
