@@ -200,8 +200,12 @@ def test_of_two_models_side_by_side_the_one_of_the_valve_goes_on(plant, found, i
     first = columns['time'] < 20.0
     fed(twin, {name: values[first] for name, values in columns.items()})
     before = twin.alarms
-    twin.try_out(from_values(found), 40.0)
+    twin.try_out(from_values(found), 40.0, {'valve_position': 9e-6})
     assert twin.parameters == from_values(found)
+    early = {name: values[~first][:20] for name, values in columns.items()}
+    fed(twin, early)  # no block of the new model is complete: the diagnosis tells
+    assert twin.now['valve_position'].uncertainty == 9e-6
+    first[:np.count_nonzero(first) + 20] = True
     fed(twin, {name: values[~first] for name, values in columns.items()})
     assert twin.trial.is_over
     assert twin.alarms is not before
@@ -342,12 +346,15 @@ def reported(folder: Path, **values) -> Path:
               'confused_with': [], 'separating_experiment': 'slow triangle'}
     folder.mkdir(exist_ok=True)
     (folder / 'report.json').write_text(json.dumps({
-        'verdict': 'effect', 'summary': 'The model lacks x. More.', 'effects': [effect], **values}))
+        'verdict': 'effect', 'summary': 'The model lacks x. More.', 'effects': [effect],
+        'held_out': {'valve_position': {'after': 9e-6}, 'chamber_pressure': {'after': None}},
+        **values}))
     return folder
 
 
 def test_a_verdict_says_what_since_when_and_how_sure(tmp_path):
     told = verdict_of(reported(tmp_path), 132.04)
+    assert told.uncertainty == {'valve_position': 9e-6}
     assert told.sentence == ('the valve has stem friction (explains 99 % of what was missing, '
                              'confirmed), since 132.0 s')
     assert told.is_confirmed

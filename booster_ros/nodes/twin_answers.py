@@ -159,7 +159,7 @@ class Answers:
                 Path(verdict.folder) / 'positioner.yaml').physical)
         except ParameterError as error:
             return False, str(error)
-        self._twin.try_out(found, self._settings.trial)
+        self._twin.try_out(found, self._settings.trial, verdict.uncertainty)
         self._given_up = time.monotonic() + 10.0 * self._settings.trial + 60.0
         self._conclude(TRYING)
         self._publish()

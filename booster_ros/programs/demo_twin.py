@@ -91,7 +91,8 @@ def answered(reports: Path) -> Answer:
 def _try_out(twin: Twin, verdict: Verdict) -> None:
     if verdict.kind == FOUND:
         found = Path(verdict.folder) / 'positioner.yaml'
-        twin.try_out(from_values(read_parameter_file(found).physical), TRIAL)
+        twin.try_out(
+            from_values(read_parameter_file(found).physical), TRIAL, verdict.uncertainty)
 
 
 def _verdict(diagnosing: Diagnosing, twin: Twin) -> Verdict | None:

@@ -108,16 +108,18 @@ class Twin:
         """The parameters of the model that runs."""
         return self._model.parameters
 
-    def adopt(self, parameters: PositionerParameters) -> None:
-        """Run another model from now on; what is healthy for it has to be learnt anew."""
-        self._model, self._block = _Running(parameters), None
+    def try_out(self, parameters: PositionerParameters, seconds: float,
+                uncertainty: Mapping[str, float] | None = None) -> None:
+        """
+        Run another model on trial: `seconds` s beside the one so far, see `adoption`.
 
-    def try_out(self, parameters: PositionerParameters, seconds: float) -> None:
-        """Run another model on trial: `seconds` s beside the one so far, see `adoption`."""
+        `uncertainty` is that of its predictions (SI), by channel, until what it misses here tells.
+        What is healthy for it has to be learnt anew.
+        """
         if not self.runs:
             raise RuntimeError('nothing runs that another model could be compared with')
         self._before = self._model
-        self.adopt(parameters)
+        self._model, self._block = _Running(parameters, misfit=dict(uncertainty or {})), None
         assert self._gap is not None
         self.trial = Trial(seconds, self._gap)
 

@@ -35,6 +35,9 @@ class Verdict(NamedTuple):
     effects: tuple[str, ...]
     adoption: str = ''
     """What became of the found model, '' where it was not asked for."""
+    uncertainty: Mapping[str, float] | None = None
+    """What the found model misses of each channel, root mean square (SI), in data that no step of
+    the diagnosis had seen."""
 
     @property
     def is_confirmed(self) -> bool:
@@ -84,6 +87,8 @@ def verdict_of(folder: Path, since: float) -> Verdict:
 
 def _verdict(report: Mapping[str, Any], folder: Path, since: float) -> Verdict:
     effects = report['effects']
+    uncertainty = {name: float(one['after']) for name, one in report['held_out'].items()
+                   if one['after'] is not None}
     if report['verdict'] == 'none':
         return Verdict(NOTHING, report['summary'], str(folder), since, '', ())
     standing = max((one['standing'] for one in effects), key=_STANDINGS.index, default='candidate')
@@ -100,7 +105,7 @@ def _verdict(report: Mapping[str, Any], folder: Path, since: float) -> Verdict:
         what, standing = _headline(report['summary']), 'candidate'
     return Verdict(
         FOUND, '; '.join([f'{what}, {_when(since)}', *_open_questions(effects)]), str(folder),
-        since, standing, tuple(one['name'] for one in effects))
+        since, standing, tuple(one['name'] for one in effects), uncertainty=uncertainty)
 
 
 def _plain(name: str) -> str:
