@@ -26,6 +26,7 @@ TIME = np.arange(0.0, 60.0, 0.05)
 BACK = {'back_pressure': 244e3 + 5e3 * np.sin(TIME)}
 SUPPLY = {'supply_pressure': np.full(len(TIME), 400e3)}
 FLOW = {'mass_flow': 1e-4 * np.cos(TIME)}
+DROP = {'pressure_drop': 2e5 + 1e5 * np.sin(0.3 * TIME)}
 
 
 @cache
@@ -53,6 +54,9 @@ RECORDS = {
         'time', 'chamber_pressure', 'valve_position') | BACK | FLOW,
     'signature in time': lambda: only('time', 'chamber_pressure', 'valve_position'),
     'signature': swept_columns,
+    'commanded, drop known': lambda: timed() | DROP,
+    'signature, drop known': lambda: swept_columns() | {
+        'pressure_drop': np.repeat([1e5, 3e5], 30)},
     'bench': bench,
     'isolated': lambda: only('time', 'chamber_pressure'),
 }
@@ -97,12 +101,13 @@ def located(*locations):
     return {name for name, effect in EFFECTS.items() if effect.location in locations}
 
 
-IN_OPEN_LOOP = set(EFFECTS) - located('position_controller')
+IN_OPEN_LOOP = set(EFFECTS) - located('position_controller') - {'process_force'}
 
 
 def test_a_full_record_may_show_every_effect():
     assert names('commanded') == IN_OPEN_LOOP
     assert IN_OPEN_LOOP - names('commanded, supply known') == located('supply')
+    assert names('commanded, drop known') - IN_OPEN_LOOP == {'process_force'}
 
 
 def test_the_isentropic_law_has_no_critical_ratio_to_look_for():
@@ -119,8 +124,8 @@ def test_the_isentropic_law_has_no_critical_ratio_to_look_for():
 def test_no_effect_is_looked_for_in_a_part_that_is_not_there(parameter, kind, part):
     experiment, less = prepared('commanded'), put(DECLARED, parameter, kind)
     sensor = {name for name in located('sensor') if 'position' in name}
-    assert IN_OPEN_LOOP - set(applicable(experiment, less)) == located(part) | (
-        sensor if part == 'stem' else set())
+    assert IN_OPEN_LOOP - set(applicable(experiment, less)) == (located(part) | (
+        sensor if part == 'stem' else set())) - {'process_force'}
     refitted = [{free.knob.parameter for free in free_to_refit(p, experiment)}
                 for p in (DECLARED, less)]
     assert refitted[0] - refitted[1] == {
@@ -130,9 +135,11 @@ def test_no_effect_is_looked_for_in_a_part_that_is_not_there(parameter, kind, pa
 
 
 def test_a_signature_shows_the_stem_and_its_sensor():
-    timed = located('stem') | {'position_backlash', 'position_sensor_lag', 'position_sensor_bias'}
+    timed = (located('stem') - {'process_force'}) | {
+        'position_backlash', 'position_sensor_lag', 'position_sensor_bias'}
     assert names('signature in time') == timed
     assert names('signature') == timed - {'position_sensor_lag', 'stem_damping'}
+    assert names('signature, drop known') - names('signature') == {'process_force'}
 
 
 @pytest.mark.parametrize(('kind', 'clocked', 'shows'), [
@@ -164,7 +171,7 @@ def test_a_bench_shows_the_booster():
 
 
 def test_an_isolated_chamber_shows_itself():
-    assert names('isolated') == located('chamber', 'stem') | {
+    assert names('isolated') == (located('chamber', 'stem') - {'process_force'}) | {
         'pressure_sensor_lag', 'pressure_sensor_bias'}
 
 

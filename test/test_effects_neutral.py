@@ -19,7 +19,8 @@ NAMES = {
     'tubing': 'tubing_restriction',
     'chamber': 'chamber_leak heat_transfer dead_volume_change',
     'stem': 'stem_friction position_dependent_friction spring_nonlinearity effective_area_change '
-            'bench_set_shift spring_rate_change stem_damping travel_limit seat_load flow_force',
+            'bench_set_shift spring_rate_change stem_damping travel_limit seat_load flow_force '
+            'process_force',
     'position_controller': 'slew_limit positioner_dead_zone feedback_backlash positioner_tuning',
     'sensor': 'position_backlash position_sensor_lag position_sensor_bias pressure_sensor_lag '
               'pressure_sensor_bias',
@@ -28,11 +29,12 @@ TIME = rows(24.0)
 CURRENT = np.select(
     [TIME < 8.0, TIME < 16.0], [current_for(320e3), current_for(130e3)], current_for(230e3))
 SET_POINT = np.select([TIME < 8.0, TIME < 16.0], [12e-3, 3e-3], 8e-3)
+START = settled_at(140e3) | {'pressure_drop': 2e5}
 OUTPUTS = ('back_pressure', 'measured_chamber_pressure', 'measured_valve_position')
 
 
 def run(values: dict[str, object]) -> Simulation:
-    return simulate(positioner(values), TIME, CURRENT, settled_at(140e3))
+    return simulate(positioner(values), TIME, CURRENT, START)
 
 
 def run_in_loop(values: dict[str, object]) -> Simulation:
@@ -110,7 +112,7 @@ def test_machine_code_and_plain_python_give_the_same_bits(effect):
     p = positioner({**sized(effect, 1.0), 'position_controller.enabled': in_loop})
     levels = (6e-3, 5e-3) if in_loop else (current_for(320e3), current_for(130e3))
     command = np.where(TIME[short] < 0.2, *levels)
-    machine, plain = (simulate(p, TIME[short], command, settled_at(140e3), compiled=compiled)
+    machine, plain = (simulate(p, TIME[short], command, START, compiled=compiled)
                       for compiled in (True, False))
     for name, values in plain.columns.items():
         assert np.array_equal(machine[name], values), name

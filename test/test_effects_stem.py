@@ -46,6 +46,21 @@ def test_a_stem_rests_on_a_limit_as_on_any_stop(pressure, stop):
     assert not rests_on_a_stop(positioner(), pressure, stop)
 
 
+def test_a_stem_that_the_process_pushes_into_its_stop_rests_there():
+    p = positioner({'actuator.plug_area': 2e-3})
+    assert rests_on_a_stop(p, 160e3, 0.0, 1e6)
+    assert not rests_on_a_stop(p, 160e3, 0.0)
+
+
+def test_a_stem_without_a_booster_starts_where_the_process_pushes_it():
+    p = positioner({'actuator.plug_area': 2e-3, 'booster.kind': 'none'})
+    time = np.array([0.0, 0.01])
+    for given in ({}, {'chamber_pressure': 225e3}):
+        run = simulate(p, time, np.full(2, 225e3 / p.ep_converter.gain),
+                       given | {'pressure_drop': 2e5})
+        assert run['valve_position'] == pytest.approx(8e-3 - 2e-3 * 2e5 / SPRING, abs=5e-6)
+
+
 def test_a_limited_stroke_sweeps_less_air():
     """While the stem stands q = V/(R T) dp/dt, with the volume that the chamber has at the stop."""
     time = rows(20.0)

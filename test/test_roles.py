@@ -12,6 +12,7 @@ from booster_ros.records import RecordError, read_record
 
 SHUT = DECLARED._replace(booster=DECLARED.booster._replace(opening_gain=0.0))
 CURRENT = {'control_current': np.linspace(0.40e-3, 0.46e-3, ROWS)}
+DROP = {'pressure_drop': np.linspace(1e5, 3e5, ROWS)}
 NO_CURRENT = {'control_current': np.zeros(ROWS)}
 
 
@@ -25,6 +26,13 @@ NO_CURRENT = {'control_current': np.zeros(ROWS)}
      ('mass_flow',)),
     (TIME | CHAMBER | POSITION, ('chamber_pressure',), ('valve_position',)),
     (CHAMBER | POSITION, ('chamber_pressure',), ('valve_position',)),
+    (TIME | CURRENT | DROP | CHAMBER | POSITION, ('pressure_drop',),
+     ('chamber_pressure', 'valve_position')),
+    (TIME | BACK | SUPPLY | DROP | POSITION, ('back_pressure', 'supply_pressure', 'pressure_drop'),
+     ('valve_position',)),
+    (TIME | CHAMBER | POSITION | DROP, ('chamber_pressure', 'pressure_drop'), ('valve_position',)),
+    (CHAMBER | POSITION | DROP, ('chamber_pressure', 'pressure_drop'), ('valve_position',)),
+    (BACK | FLOW | CHAMBER | DROP, ('back_pressure', 'chamber_pressure'), ('mass_flow',)),
 ])
 def test_the_most_upstream_channels_drive_and_the_others_are_compared(columns, pinned, compared):
     experiment = prepare(record_of(**columns), DECLARED)
@@ -38,6 +46,7 @@ def test_the_most_upstream_channels_drive_and_the_others_are_compared(columns, p
 @pytest.mark.parametrize(('columns', 'pinned', 'compared'), [
     (TIME | CHAMBER, (), ('chamber_pressure',)),
     (TIME | CHAMBER | SUPPLY, ('supply_pressure',), ('chamber_pressure',)),
+    (TIME | CHAMBER | DROP, (), ('chamber_pressure',)),
     (TIME | NO_CURRENT | CHAMBER | POSITION, (), ('chamber_pressure', 'valve_position')),
 ])
 def test_a_record_that_nothing_drives_is_of_a_chamber_that_is_declared_shut(
@@ -51,7 +60,7 @@ def test_a_record_that_nothing_drives_is_of_a_chamber_that_is_declared_shut(
 
 @pytest.mark.parametrize('columns', [
     TIME | CURRENT, TIME | POSITION, TIME | FLOW, TIME | SUPPLY, CHAMBER, BACK | SUPPLY,
-    CURRENT | SUPPLY,
+    CURRENT | SUPPLY, TIME | POSITION | DROP,
 ])
 def test_a_record_without_a_drive_and_a_response_is_refused_in_one_sentence(columns):
     with pytest.raises(RecordError, match=r'^plant\.csv: nothing can be compared') as caught:
@@ -93,7 +102,14 @@ def test_a_current_that_is_none_throughout_a_sweep_did_not_drive_it():
     assert experiment.drives == ('chamber_pressure',)
 
 
-def test_a_position_beside_the_flow_of_a_bench_is_left_out_and_that_is_said():
-    experiment = prepare(record_of(**BACK, **FLOW, **CHAMBER, **SUPPLY, **POSITION), DECLARED)
+def test_what_is_of_the_stem_beside_the_flow_of_a_bench_is_left_out_and_that_is_said():
+    experiment = prepare(
+        record_of(**BACK, **FLOW, **CHAMBER, **SUPPLY, **POSITION, **DROP), DECLARED)
     assert experiment.channels == ('mass_flow',)
-    assert any('valve_position is not compared' in note for note in experiment.notes)
+    for name in ('valve_position', 'pressure_drop'):
+        assert any(f'{name} is not used' in note for note in experiment.notes)
+
+
+def test_a_drop_that_drives_alone_is_left_out_and_that_is_said():
+    experiment = prepare(record_of(**TIME, **CHAMBER, **DROP), SHUT)
+    assert any('pressure_drop is not used' in note for note in experiment.notes)

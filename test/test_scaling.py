@@ -69,6 +69,15 @@ def test_pressures_go_with_the_supply_and_lengths_with_the_travel():
         assert proportion(p, 'actuator', unit) == pytest.approx(0.0625)
 
 
+def test_the_area_of_a_plug_goes_with_that_of_the_diaphragm():
+    (knob,) = EFFECTS['process_force'].knobs
+    p = PAPER._replace(
+        actuator=PAPER.actuator._replace(effective_area=0.5 * PAPER.actuator.effective_area),
+        booster=PAPER.booster._replace(max_area=7.0 * PAPER.booster.max_area))
+    assert in_proportion(knob, p).typical == pytest.approx(0.5 * knob.typical)
+    assert in_proportion(knob, p).high == pytest.approx(0.5 * knob.high)
+
+
 @pytest.mark.parametrize('unit', ['A', 'Pa', 'm^2', 'Pa s/kg', 'm^3', 'm', 'N', 'N/m', 'N s/m',
                                   'kg/s'])
 def test_a_valve_that_lacks_what_counts_is_sought_in_like_the_paper_s(unit):

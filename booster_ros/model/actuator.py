@@ -104,9 +104,9 @@ class Actuator(NamedTuple):
     flow_force_decay: Annotated[float, Quantity(
         '-', 'flow_force: travel fraction over which it falls to 37 %', 0.01, 10.0)] = 0.3
     plug_area: Annotated[float, Quantity(
-        'm^2', 'area on which the pressure drop over the process valve pushes the stem towards '
-        'where it rests vented; negative: away from there', -10.0, 10.0,
-        'neutral: a balanced plug')] = 0.0
+        'm^2', 'process_force: area on which the pressure drop over the process valve pushes the '
+        'stem towards where it rests vented; negative: away from there; 0: a balanced plug',
+        -10.0, 10.0)] = 0.0
 
 
 def diaphragm_area(act: Actuator, position: float) -> float:

@@ -15,10 +15,11 @@ from .system import PositionerParameters
 
 
 def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
-            loosens: tuple[str, ...] = (), reading: str = '', orifice_law: int | None = None
-            ) -> Effect:
+            loosens: tuple[str, ...] = (), reading: str = '', orifice_law: int | None = None,
+            driven_by: str = '') -> Effect:
     return Effect(
-        name, location, knobs, meaning, needs, experiment, source, loosens, reading, orifice_law)
+        name, location, knobs, meaning, needs, experiment, source, loosens, reading, orifice_law,
+        driven_by)
 
 
 _SLIDING = Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3, rubs=True)
@@ -203,6 +204,15 @@ _ROWS = (
         Knob('actuator.flow_force', 500.0, -1e4, 1e4),
         Knob('actuator.flow_force_decay', 0.3, 0.05, 3.0, 0.3, shape=True)),
     _effect(
+        'process_force', 'stem', 'the pressure drop over the process valve pushes on the plug',
+        'a recorded pressure drop that changes',
+        'the same strokes at several pressure drops: the pressure that holds a position moves in '
+        'proportion to the drop',
+        'unbalanced plug; M. Bartys et al., Control Eng. Practice 14 (2006) 577, vena contracta '
+        'force',
+        Knob('actuator.plug_area', 1e-3, -0.02, 0.02, goes_with='N/Pa'),
+        driven_by='pressure_drop'),
+    _effect(
         'slew_limit', 'position_controller', 'the valve follows the set point no faster than at a '
         'certain speed, which may differ up and down',
         'steps up and down, larger than what it moves from row to row',
@@ -281,8 +291,7 @@ def is_of_effect(parameter: str) -> bool:
 
 def is_optional(parameter: str) -> bool:
     """Tell whether a parameter goes without saying at its default: of an effect, or of a loop."""
-    return (is_of_effect(parameter) or parameter.startswith('position_controller.')
-            or parameter == 'actuator.plug_area')
+    return is_of_effect(parameter) or parameter.startswith('position_controller.')
 
 
 def has_part(p: PositionerParameters, effect: Effect) -> bool:

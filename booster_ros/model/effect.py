@@ -28,6 +28,7 @@ class Knob:
     phase: bool = False  # where in its period it begins, rad
     rubs: bool = False  # friction of a sliding stem, without which the other sizes are none
     departs: str = ''  # what may be off at the start only with this size: a field of `Departure`
+    goes_with: str = ''  # unit in proportion to which it is sought, where that is not its own
 
     def to_fit(self, value: float) -> float:
         """Return the fitted variable for a value."""
@@ -49,8 +50,9 @@ class Effect:
     A named effect: where it is born, its knobs, what a record needs to show it, what separates it.
 
     `loosens` names the declared parameters that are known less well where this effect is present,
-    `reading` the channel whose sensor it falsifies. `orifice_law` is the only law of flow through
-    the seats that knows the effect, None where any does.
+    `reading` the channel whose sensor it falsifies, `driven_by` the measured channel in proportion
+    to which it acts. `orifice_law` is the only law of flow through the seats that knows the effect,
+    None where any does.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Effect:
     loosens: tuple[str, ...] = ()
     reading: str = ''
     orifice_law: int | None = None
+    driven_by: str = ''
 
     @property
     def needs_clock(self) -> bool:

@@ -6,8 +6,8 @@ Sizes that are sought in a valve, in proportion to those that are sought in the 
 Catalogue and terms say which sizes a record of the paper's positioner shows well, and how far to
 search there. A valve of another size has other hysteresis, friction and leaks: a current is in
 proportion to the range of the converter, a pressure to the supply, an area to the booster's
-largest, a force to what the supply makes on the diaphragm, a length to the travel. Shares, times,
-speeds and thermal resistances stay as they are.
+largest, a force to what the supply makes on the diaphragm, a length to the travel, the area of a
+plug to that of the diaphragm. Shares, times, speeds and thermal resistances stay as they are.
 """
 
 from dataclasses import replace
@@ -43,6 +43,7 @@ def _natural(p: PositionerParameters, component: str, unit: str) -> float:
         'm^3': p.actuator.dead_volume,
         'm': travel,
         'N': force,
+        'N/Pa': p.actuator.effective_area,
         'N/m': force / travel if travel else math.nan,
         'N s/m': force / travel if travel else math.nan,
     }
@@ -52,7 +53,8 @@ def _natural(p: PositionerParameters, component: str, unit: str) -> float:
 def in_proportion(knob: Knob, p: PositionerParameters) -> Knob:
     """Return the knob with its sizes in proportion to this valve."""
     described = DESCRIPTIONS[knob.parameter]
-    factor = proportion(p, knob.parameter.partition('.')[0], described.unit)
+    factor = proportion(
+        p, knob.parameter.partition('.')[0], knob.goes_with or described.unit)
     if factor == 1.0:
         return knob
     low, high = (min(max(factor * end, described.low), described.high)

@@ -11,7 +11,8 @@ be.
 from collections.abc import Callable, Mapping
 
 from .actuator import (
-    balance_position, breakaway_friction, has_dry_friction, lower_stop, stem_force, upper_stop)
+    balance_position, breakaway_friction, has_dry_friction, lower_stop, process_force,
+    stem_force, upper_stop)
 from .booster import NO_BOOSTER
 from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
 from .memory import Departure, start_current
@@ -55,9 +56,13 @@ def start_of_readings(
     return _start_without_term(p, time, current, _term_taken_off(p, time, current, readings))
 
 
-def rests_on_a_stop(p: PositionerParameters, pressure: float, read: float) -> bool:
+def rests_on_a_stop(
+    p: PositionerParameters, pressure: float, read: float, pressure_drop: float = 0.0
+) -> bool:
     """
     Tell whether a stem that is read here (m), at this pressure (Pa), rests on a stop.
+
+    `pressure_drop` is that over the process valve, Pa.
 
     Friction alone could not hold it off the stop then, and within the stop no reading tells what
     friction holds: a micrometre is hundreds of newtons. It is taken to hold nothing. Noise in a
@@ -65,11 +70,12 @@ def rests_on_a_stop(p: PositionerParameters, pressure: float, read: float) -> bo
     next break away as it does only after it has turned or gone on.
     """
     act = p.actuator
-    balance = balance_position(act, pressure)
+    pushed = process_force(act, pressure_drop)
+    balance = balance_position(act, pressure, lambda position: pushed)
     if lower_stop(act) <= balance <= upper_stop(act) or abs(balance - read) > UNSURE * act.travel:
         return False
     edge = lower_stop(act) if balance < lower_stop(act) else upper_stop(act)
-    return abs(stem_force(act, pressure, edge, 0.0, 0.0)) > breakaway_friction(act, edge)
+    return abs(stem_force(act, pressure, edge, 0.0, pushed)) > breakaway_friction(act, edge)
 
 
 def _term_taken_off(

@@ -70,7 +70,7 @@ def settled_state(
     if is_direct(p):
         y[CHAMBER] = y[OUTLET] = y[BACK]
         if valve_position is None:
-            y[POSITION] = balance_position(p.actuator, y[CHAMBER])
+            y[POSITION] = balance_position(p.actuator, y[CHAMBER], lambda position: pushed)
     if valve_position is None and p.discrepancy.location == STEM:
         _balance_with_term(p, time, current, y)
     rest_in_play(p, y)
@@ -104,11 +104,12 @@ def active_states(p: PositionerParameters, pinned: tuple[int, ...] = ()) -> list
 
 def _share_pressure(p: PositionerParameters, given: Mapping[str, float], y) -> None:
     """Give converter and chamber, between which nothing is, the one pressure that is given."""
+    pushed = process_force(p.actuator, y[PRESSURE_DROP])
     for name in ('back_pressure', 'chamber_pressure'):
         if name in given:
             y[BACK] = y[CHAMBER] = given[name]
             if 'valve_position' not in given:
-                y[POSITION] = balance_position(p.actuator, given[name])
+                y[POSITION] = balance_position(p.actuator, given[name], lambda position: pushed)
             return
 
 

@@ -22,7 +22,8 @@ from booster_ros.records.units import check_above_vacuum, check_pressure_scale
 _UNEVEN_RATIO = 1.5
 _LISTED_RUNS = 8
 _EPOCH_SECONDS = 1e8
-_WITHOUT_PEAKS = ('back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position')
+_WITHOUT_PEAKS = (
+    'back_pressure', 'supply_pressure', 'chamber_pressure', 'valve_position', 'pressure_drop')
 _FEWEST_ROWS = 200
 _MOST_REPEATED = 0.9  # a row for each channel repeats five of six stamps
 _WILD, _NOISY, _ALIKE = 0.3, 15.0, 10.0

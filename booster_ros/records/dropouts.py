@@ -12,7 +12,7 @@ from booster_ros.records.missing import suspected_sentinels
 from booster_ros.records.record import Array
 
 PRESSURES = ('back_pressure', 'supply_pressure', 'chamber_pressure')
-SENSED = (*PRESSURES, 'valve_position')
+SENSED = (*PRESSURES, 'valve_position', 'pressure_drop')
 
 _FEWEST_ROWS = 100
 _LARGEST_SHARE = 0.05

@@ -12,6 +12,7 @@ _CHANNELS = {
     'mass_flow': 'mass flow',
     'chamber_pressure': 'chamber pressure',
     'valve_position': 'valve position',
+    'pressure_drop': 'pressure drop over the process valve',
     'stem_velocity': 'stem velocity',
     'booster_force': 'booster force',
     'back_pressure_error': 'way that the back pressure still has to go',

@@ -59,7 +59,7 @@ OUTPUT_OF = {
 """The model's output that a channel of a record is compared with."""
 
 UNITS = {'set_point': 'm', 'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass_flow': 'kg/s',
-         'chamber_pressure': 'Pa', 'valve_position': 'm'}
+         'chamber_pressure': 'Pa', 'valve_position': 'm', 'pressure_drop': 'Pa'}
 
 
 @dataclass(frozen=True)
@@ -133,6 +133,11 @@ class Experiment:
         return (*commanded, *self.pinned)
 
     @property
+    def pinned_within(self) -> frozenset[str]:
+        """The pinned channels of the positioner: all but what the process does to the stem."""
+        return frozenset(self.pinned) - {'pressure_drop'}
+
+    @property
     def in_loop(self) -> bool:
         """Whether a set point drives the model by way of the position controller."""
         return self.command == 'set_point'
@@ -173,7 +178,7 @@ class Experiment:
 
     def _longest_interval(self) -> float:
         """Return the length, s, beyond which intervals between rows are divided."""
-        if not self.pinned:
+        if not self.pinned_within:
             return LONGEST_INTERVAL
         apart = float(np.median(np.diff(self.time)))
         return min(max(apart / PARTS_OF_A_DRIVE, DEFAULT_LONGEST_INTERVAL), LONGEST_INTERVAL)
@@ -234,7 +239,7 @@ class Experiment:
         standing, running = (0, 1, 2), (-1, 0, 1, 2)
         around = [np.add.outer(_jumps(self.current), standing if self.ends is None else running)]
         around += [np.add.outer(_jumps(values), running)
-                   for name, values in self.pinned.items() if name.endswith('_pressure')]
+                   for name, values in self.pinned.items() if 'pressure' in name]
         for rows in around:
             keep[np.minimum(rows, size - 1)] = True
         kept = np.flatnonzero(keep)
@@ -243,7 +248,7 @@ class Experiment:
             current=self._mean_current(kept) if self.ends is None else self.current[kept],
             ends=None if self.ends is None else self.ends[np.append(kept[1:], size) - 1],
             measured={name: values[kept] for name, values in self.measured.items()},
-            pinned={name: _means_around(values, kept) if name.endswith('_pressure') else
+            pinned={name: _means_around(values, kept) if 'pressure' in name else
                     values[kept] for name, values in self.pinned.items()},
             tolerance=THINNED_TOLERANCE)
         return thin, kept

@@ -10,6 +10,7 @@ from booster_ros.records import COLUMNS, RecordError
 _NO_BOOSTER = 'mass_flow is not compared: without control_current or back_pressure nothing says '\
     'how far the booster is open'
 _ISOLATED = 'no drive in the record: the chamber is taken as shut off, as declared'
+_UNSEEN = 'pressure_drop is not used: nothing else that drives the stem, and no position, is there'
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,7 @@ def roles(present: Collection[str], source: str, ignored: Sequence[str] = ()) ->
     among them.
     """
     timed = 'time' in present
-    supply = tuple(name for name in ('supply_pressure',) if name in present)
-    found = _roles(present, supply, timed)
+    found = _roles(present, timed)
     if found is None or not found.compared:
         columns = ', '.join(name for name in COLUMNS if name in present and name != 'time')
         clock = '' if timed else ' and no time'
@@ -58,35 +58,37 @@ def roles(present: Collection[str], source: str, ignored: Sequence[str] = ()) ->
     return found
 
 
-def _roles(present: Collection[str], supply: tuple[str, ...], timed: bool) -> Roles | None:
+def _roles(present: Collection[str], timed: bool) -> Roles | None:
     def those(*names: str) -> tuple[str, ...]:
         return tuple(name for name in names if name in present)
 
+    beside = those('supply_pressure', 'pressure_drop')
     if 'control_current' in present:
         compared = those('back_pressure', 'mass_flow', 'chamber_pressure', 'valve_position')
-        return Roles(True, supply, compared)
+        return Roles(True, beside, compared)
     booster_known = bool(those('back_pressure', 'supply_pressure'))
     if not timed and booster_known and those('mass_flow', 'chamber_pressure') == (
             'mass_flow', 'chamber_pressure'):
-        return _flow_bench(
-            those('back_pressure', 'chamber_pressure') + supply, those('valve_position'))
+        return _flow_bench(those('back_pressure', 'chamber_pressure', 'supply_pressure'),
+                           those('valve_position', 'pressure_drop'))
     if 'set_point' in present:  # the caller has seen that it may drive
         compared = those('mass_flow', 'chamber_pressure', 'valve_position')
-        return Roles(True, supply, compared, command='set_point')
+        return Roles(True, beside, compared, command='set_point')
     if 'back_pressure' in present:
         compared = those('mass_flow', 'chamber_pressure', 'valve_position')
-        return Roles(False, ('back_pressure', *supply), compared)
+        return Roles(False, ('back_pressure', *beside), compared)
     notes = those('mass_flow') and (_NO_BOOSTER,)
     if those('chamber_pressure', 'valve_position') == ('chamber_pressure', 'valve_position'):
-        return Roles(False, ('chamber_pressure', *supply), ('valve_position',), notes)
+        return Roles(False, ('chamber_pressure', *beside), ('valve_position',), notes)
     if 'chamber_pressure' in present and timed:
-        return Roles(False, supply, ('chamber_pressure',), (*notes, _ISOLATED))
+        notes += those('pressure_drop') and (_UNSEEN,)
+        return Roles(False, those('supply_pressure'), ('chamber_pressure',), (*notes, _ISOLATED))
     return None
 
 
 def _flow_bench(pinned: tuple[str, ...], idle: tuple[str, ...]) -> Roles:
     """Return the roles on a bench that sets the pressures around the booster and reads its flow."""
-    notes = tuple(f'{name} is not compared: a flow bench is judged by its flow' for name in idle)
+    notes = tuple(f'{name} is not used: a flow bench is judged by its flow' for name in idle)
     if 'back_pressure' not in pinned:
         notes += ('no back_pressure in the record: taken as that of no current',)
     return Roles(False, pinned, ('mass_flow',), notes)

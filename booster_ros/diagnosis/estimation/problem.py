@@ -95,7 +95,8 @@ class Problem:
         sensors = p.sensors
         read = position_behind(sensors, start.valve_position)
         stem = read - 0.5 * sensors.position_backlash * start.departure.position_play
-        on_stop = rests_on_a_stop(p, start.chamber_pressure, stem)
+        drop = float(self.experiment.pinned.get('pressure_drop', np.zeros(1))[0])
+        on_stop = rests_on_a_stop(p, start.chamber_pressure, stem, drop)
         return replace(start, valve_position=None if on_stop else stem)
 
     def predict(self, z: Array) -> dict[str, Array] | None:

@@ -10,7 +10,7 @@ costs time and invites coincidences: in a sweep a lag looks like friction.
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import COMMANDS, Experiment
+from booster_ros.diagnosis.data.experiment import COMMANDS, DriveNoise, Experiment
 from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, Free, declared_freedom
 from booster_ros.model.actuator import VESSEL
 from booster_ros.model.booster import NO_BOOSTER
@@ -52,6 +52,9 @@ def _stem_rests(experiment: Experiment, declared: PositionerParameters) -> bool:
 
 def _shows(effect: Effect, experiment: Experiment) -> bool:
     if experiment.quasi_static and effect.needs_clock:
+        return False
+    noise = experiment.drive_noise.get(effect.driven_by, DriveNoise(0.0)).level
+    if effect.driven_by and np.var(experiment.pinned.get(effect.driven_by, 0.0)) <= 2.0 * noise**2:
         return False
     compared = experiment.channels
     chamber_follows = 'chamber_pressure' not in experiment.pinned

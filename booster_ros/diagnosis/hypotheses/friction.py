@@ -27,7 +27,7 @@ from booster_ros.diagnosis.data.experiment import FEWEST
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.actuator import (
-    Actuator, friction_along_travel, lower_stop, stem_force, upper_stop)
+    Actuator, friction_along_travel, lower_stop, process_force, stem_force, upper_stop)
 from booster_ros.model.scaling import proportion
 from booster_ros.model.sensors import position_behind, pressure_behind
 
@@ -118,13 +118,14 @@ def break_away_friction(problem: Problem, z: Array) -> float | None:
     if not {'chamber_pressure', 'valve_position'} <= set(experiment.measured):
         return None
     readings = experiment.measured['valve_position']
+    drops = experiment.pinned.get('pressure_drop', np.zeros(len(readings)))
     position = np.array([position_behind(p.sensors, x) for x in readings])
     ends = []
     for way in (1.0, -1.0):
         rows, speed = _rows_going(problem, position, p.actuator, way)
         if np.count_nonzero(rows) < FEWEST:
             continue
-        held = np.array([
+        held = way * process_force(p.actuator, drops[rows]) + np.array([
             way * stem_force(p.actuator, pressure_behind(p.sensors, reading), x, v, 0.0)
             - friction_along_travel(p.actuator, x) for reading, x, v in zip(
                 experiment.measured['chamber_pressure'][rows], position[rows], speed[rows])])

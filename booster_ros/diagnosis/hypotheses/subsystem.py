@@ -38,7 +38,7 @@ def upstream(experiment: Experiment) -> Experiment | None:
     controller: beside a measured stem nothing takes back what its integral part adds up.
     """
     both = {'chamber_pressure', 'valve_position'} <= set(experiment.measured)
-    if not both or experiment.pinned or experiment.quasi_static or experiment.in_loop:
+    if not both or experiment.pinned_within or experiment.quasi_static or experiment.in_loop:
         return None
     if not np.isfinite(experiment.measured['valve_position']).any():
         return None

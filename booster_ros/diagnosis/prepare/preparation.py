@@ -30,7 +30,7 @@ from booster_ros.records.holding import between_samples, bridged, last_known
 Array = np.ndarray
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
-               'valve_position': 1e-7, 'mass_flow': 1e-9}
+               'valve_position': 1e-7, 'mass_flow': 1e-9, 'pressure_drop': 5.0}
 """
 Smallest noise of a channel, in its unit: what the solver leaves on thinned rows, 2 Pa and 0.03 um,
 must not count as something that the model lacks. Sensors resolve far less.

@@ -10,6 +10,7 @@ import numpy as np
 from booster_ros.diagnosis.data.experiment import FEWEST
 from booster_ros.diagnosis.data.roles import Roles, roles
 from booster_ros.diagnosis.prepare.plausibility import check_scales
+from booster_ros.model.actuator import VESSEL
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import between_samples
@@ -106,7 +107,8 @@ def _without(record: Record, names: Collection[str]) -> Record:
 
 def _beside(record: Record, declared: PositionerParameters) -> dict[str, str]:
     """Return what is said of columns that drive nothing: a set point beside a current is idle."""
-    idle = {'pressure_drop': 'the force of the process is judged as one of the stem'}
+    idle = {} if declared.actuator.kind != VESSEL else {
+        'pressure_drop': 'a vessel has no stem that the process could push'}
     if {'control_current', 'back_pressure'} & {*record.columns} or 'time' not in record:
         idle['set_point'] = 'what lies downstream of it is recorded'
     elif not declared.position_controller.enabled:

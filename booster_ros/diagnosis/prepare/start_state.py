@@ -87,11 +87,12 @@ def _unmeasured_pressure(
 
     Off the stops the spring tells it; elsewhere it is where the booster settles.
     """
-    opens, opened = declared.actuator.bench_set
+    act, drop = declared.actuator, float(columns.get('pressure_drop', np.zeros(1))[0])
+    opens, opened = (end + act.plug_area * drop / act.effective_area for end in act.bench_set)
     settled = _settled_pressure(columns, declared)
     if position is None:
         return settled
-    stroke = position / declared.actuator.travel
+    stroke = position / act.travel
     if stroke < LITTLE:
         return min(settled, opens)
     if stroke > 1.0 - LITTLE:

@@ -218,7 +218,7 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
     at_rest = [j for j, free in enumerate(problem.freedoms)
                if free.knob.parameter in TOLD_AT_REST and np.isfinite(free.sigma)]
     places = [given]
-    if at_rest and not problem.experiment.pinned:
+    if at_rest and not problem.experiment.pinned_within:
         rested = _refitted(problem, given, at_rest)
         far = 0.5 * float(np.sum(rested[at_rest]**2)) > TIE
         places = [rested, given] if far else [rested]
