@@ -48,6 +48,14 @@ def test_a_single_value_far_from_its_neighbours_is_named_and_not_used(tmp_path, 
     assert not defects(record, 'missing_values')
 
 
+def test_a_pressure_drop_is_cleaned_as_a_pressure_is():
+    time = 0.1 * np.arange(400)
+    drop = np.where(time < 20.0, 1e5, 3e5) + 200.0 * np.random.default_rng(1).standard_normal(400)
+    drop[100], drop[300:303] = 2e6, -9999.0
+    record = clean({'time': time, 'pressure_drop': drop}, np.arange(2, 402), 'plant.csv')
+    assert np.flatnonzero(np.isnan(record['pressure_drop'])).tolist() == [100, 300, 301, 302]
+
+
 def test_steps_and_peaks_that_last_and_signals_that_go_to_and_fro_are_kept(tmp_path):
     lines = good_lines(400)
     for row in range(200, 400):  # a step

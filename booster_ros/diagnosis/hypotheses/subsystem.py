@@ -33,7 +33,7 @@ def upstream(experiment: Experiment) -> Experiment | None:
     """
     Return the experiment with position and velocity as drives and the pressure compared.
 
-    None where position or pressure was not measured, where another channel drives the model, in a
+    None where position or pressure was not measured, where a channel within drives the model, in a
     sweep without a clock, or where rows are too few or too far apart for it. Nor behind a position
     controller: beside a measured stem nothing takes back what its integral part adds up.
     """
