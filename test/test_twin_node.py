@@ -105,6 +105,9 @@ def test_a_fault_makes_a_healthy_valve_one_that_needs_maintenance(tmp_path):
         valve.add(commander)
         moved(valve, commander, twin, 20.0, random)
         assert commander.health[-1].startswith('function check: learning')
+        # what comes with stamps is not listened to twice
+        assert {'/valve_position', '/chamber_pressure'}.isdisjoint(
+            one.topic_name for one in twin.subscriptions)
         moved(valve, commander, twin, 280.0, random)
         assert commander.health[-1].startswith('good'), commander.health[-1]
         valve.set({'actuator.coulomb_friction': 300.0})

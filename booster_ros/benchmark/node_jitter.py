@@ -76,9 +76,9 @@ def measure(module: str, rate: float) -> Sample:
         commands.publish(Float64(data=CURRENT))
         _spin(executor, SETTLING)
         stamps.clear()
-        before, begin = _cpu_seconds(node.pid), time.monotonic()
+        before, begin = cpu_seconds(node.pid), time.monotonic()
         _spin(executor, MEASURED)
-        used, passed = _cpu_seconds(node.pid) - before, time.monotonic() - begin
+        used, passed = cpu_seconds(node.pid) - before, time.monotonic() - begin
     finally:
         node.terminate()
         node.wait()
@@ -93,7 +93,7 @@ def _spin(executor: SingleThreadedExecutor, seconds: float) -> None:
         executor.spin_once(timeout_sec=left)
 
 
-def _cpu_seconds(pid: int) -> float:
+def cpu_seconds(pid: int) -> float:
     """Return the CPU time, user and system, that a process has used so far."""
     fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')

@@ -32,7 +32,8 @@ class TwinInputs:
     """
     Subscribes to every channel by its plain name, and to pressure and position with stamps too.
 
-    Where a channel comes with stamps, its plain twin is not used. What has no stamp of its own
+    Where a channel comes with stamps, its plain twin is not used, nor listened to any more: a
+    message costs more than what is done with it. What has no stamp of its own
     then counts from the newest stamp that had been published before it, as the clock of the valve
     need not be that of this node; else from its arrival on the node's clock. The order of
     publishing is that of the middleware's time stamps, and is known once all have been handed
@@ -40,15 +41,16 @@ class TwinInputs:
     """
 
     def __init__(self, node: Node, received: Received) -> None:
-        self._clock = node.get_clock()
+        self._node, self._clock = node, node.get_clock()
         self._received = received
         self._stamped: set[str] = set()
         self._newest = -math.inf
         self._waiting: list[tuple[str, int, float]] = []
         self._published: deque[tuple[int, float]] = deque(maxlen=REMEMBERED)
         subscribe: Any = node.create_subscription  # declared without the information on messages
-        for channel in CHANNELS:
-            subscribe(Float64, channel, self._plain(channel), QUEUE_DEPTH)
+        self._plain_ones = {
+            channel: subscribe(Float64, channel, self._plain(channel), QUEUE_DEPTH)
+            for channel in CHANNELS}
         subscribe(FluidPressure, 'chamber_pressure_stamped', self._on_pressure, QUEUE_DEPTH)
         subscribe(JointState, 'valve_position_stamped', self._on_position, QUEUE_DEPTH)
 
@@ -64,6 +66,8 @@ class TwinInputs:
 
     def flush(self) -> None:
         """Hand on the plain messages that have come."""
+        for channel in self._stamped & self._plain_ones.keys():
+            self._node.destroy_subscription(self._plain_ones.pop(channel))
         waiting, self._waiting = self._waiting, []
         for channel, published, value in waiting:
             self._received(channel, self._newest_at(published), value)
