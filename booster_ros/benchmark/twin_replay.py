@@ -36,7 +36,7 @@ from ..nodes.twin import TwinNode
 from ..programs.ros_domain import claim_domain
 from ..records import read_record
 from ..records.bag_writer import BagWriter
-from ..testing.handling import handle_waiting
+from ..nodes.handling import handle_waiting
 from ..twin.aligning import CHANNELS
 
 BEGIN = 1000.0

@@ -9,6 +9,7 @@ import re
 import signal
 import sys
 import threading
+import time
 import traceback
 from types import FrameType
 
@@ -22,6 +23,7 @@ from ..legible import legible
 from ..model.parameters import ParameterError
 from ..parameters.sections import files_on, read_sections
 from ..run_error import RunError
+from .handling import handle_waiting
 
 DONE = 0
 BAD_INPUT = 2
@@ -32,7 +34,7 @@ _END_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 def run(
     name: str, description: str | None, make_node: Callable[[], Node], arguments: Sequence[str],
-    example: str = '--ros-args -p NAME:=VALUE',
+    example: str = '--ros-args -p NAME:=VALUE', rest: float = 0.0,
 ) -> int:
     """
     Spin the node that `make_node` returns until it is told to end; return the status.
@@ -40,7 +42,8 @@ def run(
     SIGINT, SIGTERM, SIGHUP and a shutdown tell it. Bad arguments and parameters (ParameterError of
     `make_node`) and a run that cannot go on (RunError of a callback) end with one sentence on
     stderr and status 2. `name`, `description` and `example` (arguments, and where to read on) are
-    for `--help`, `arguments` is the command line without the program's name.
+    for `--help`, `arguments` is the command line without the program's name. A node that may be
+    `rest` s late handles what has come meanwhile at once: rclpy's wait costs more than a message.
     """
     startup = _Startup()
     for number in _END_SIGNALS:
@@ -65,7 +68,7 @@ def run(
     try:
         node = make_node()
         executor.add_node(node)
-        while not _spun_to_the_end(executor):
+        while not _spun_to_the_end(executor, rest):
             node.get_logger().warning(
                 'a time below zero on /clock, which no clock of ROS 2 can show: ignored',
                 throttle_duration_sec=10.0)
@@ -85,13 +88,16 @@ def run(
     return DONE
 
 
-def _spun_to_the_end(executor: SingleThreadedExecutor) -> bool:
+def _spun_to_the_end(executor: SingleThreadedExecutor, rest: float) -> bool:
     """
     Spin until told to end; return False where a time on /clock is one that rclpy cannot hold.
 
     rclpy listens to /clock itself, and lets the ValueError of its own class of times out.
     """
     try:
+        while rest:
+            handle_waiting(executor)
+            time.sleep(rest)
         executor.spin()
     except ValueError as error:
         if not any(frame.f_code.co_name == 'clock_callback'

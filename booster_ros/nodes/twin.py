@@ -48,6 +48,10 @@ LEVELS = {GOOD: DiagnosticStatus.OK, FAILURE: DiagnosticStatus.ERROR,
           OUT_OF_SPECIFICATION: DiagnosticStatus.WARN, MAINTENANCE: DiagnosticStatus.WARN}
 """Levels by NE 107 status; a function check is OK: the valve may be well."""
 
+REST = 0.01
+"""Time, s, that samples may wait: a hundred a second of each channel then come in one go, at two
+thirds of the cost."""
+
 REPORT_PERIOD = 1.0
 STORE_PERIOD = 60.0
 """Seconds from one report, and from one row of trends, to the next."""
@@ -222,7 +226,7 @@ def _store(path: str) -> Store | None:
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node; `args` is the command line without the program's name."""
     arguments = sys.argv[1:] if args is None else list(args)
-    return run('twin', DESCRIPTION, lambda: TwinNode(arguments), arguments, EXAMPLE)
+    return run('twin', DESCRIPTION, lambda: TwinNode(arguments), arguments, EXAMPLE, REST)
 
 
 if __name__ == '__main__':

@@ -17,7 +17,7 @@ from rclpy.parameter import Parameter
 from ..nodes.positioner import Positioner
 from ..programs.ros_domain import claim_domain
 from .bench import Bench
-from .handling import handle_waiting
+from ..nodes.handling import handle_waiting
 from .matching import wait_for_match
 from .series import Sample
 
