@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from booster_ros.records import RecordError, read_record
+from booster_ros.records.guarded import COMPRESSED
 
 
 def test_columns_and_row_numbers_are_those_of_the_file(tmp_path):
@@ -204,6 +205,14 @@ def test_a_sweep_may_have_a_column_that_rises_as_time_does(tmp_path, name):
     record = read_lines(tmp_path, [f'{name},chamber_pressure,valve_position', *rows])
     assert 'time' not in record
     assert defects(record, 'unknown_column')[0].column == name
+
+
+@pytest.mark.parametrize('begins', COMPRESSED)
+def test_a_file_that_only_begins_as_a_compressed_one_is_refused(tmp_path, begins):
+    path = tmp_path / 'r.csv'
+    path.write_bytes(begins + b'time,control_current,valve_position\n0,0,0\n')
+    with pytest.raises(RecordError, match=r'r\.csv: cannot be read, '):
+        read_record(path)
 
 
 @settings(max_examples=300, deadline=None)

@@ -122,10 +122,28 @@ def _unpacked(file: BinaryIO, start: bytes, source: str) -> Any:
     return file
 
 
+class _Zstandard:
+    """A file that Zstandard has compressed; ValueError where it is damaged."""
+
+    def __init__(self, file: BinaryIO, module: Any):
+        self._stream, self._damaged = module.ZstdFile(file), module.ZstdError
+
+    def read(self, size: int) -> bytes:
+        """Return unpacked bytes, so many at the most."""
+        try:
+            return bytes(self._stream.read(size))
+        except self._damaged as error:
+            raise ValueError(error) from None
+
+    def close(self) -> None:
+        """Close it."""
+        self._stream.close()
+
+
 def _zstandard(file: BinaryIO, source: str) -> Any:
     for module in ('compression.zstd', 'backports.zstd'):  # the first from Python 3.14 on
         try:
-            return importlib.import_module(module).ZstdFile(file)
+            return _Zstandard(file, importlib.import_module(module))
         except ModuleNotFoundError:
             continue
     file.close()
