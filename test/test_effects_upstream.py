@@ -19,6 +19,7 @@ from positioner_runs import (
 import pytest
 
 from booster_ros.model.simulation import Simulation, simulate
+from booster_ros.model.supply import supply_pressure_rate
 
 CHOKED = 0.0404184 / math.sqrt(293.15)
 ATMOSPHERE = 101_325.0
@@ -259,6 +260,15 @@ def test_the_exhaust_chokes_at_the_shifted_ratio_too(shift):
     assert np.any(beyond == 0.0)
     choked = CHOKED * 1.45e-6 * (chamber + ATMOSPHERE)
     assert -flow == pytest.approx(choked * np.sqrt(1.0 - beyond**2), rel=1e-4)
+
+
+def test_a_regulator_that_a_flow_takes_all_from_does_not_suck():
+    """Of a steady flow that would take twice the pressure it keeps nothing, and comes from above."""
+    supply = positioner({'supply.droop': 2e8}).supply
+    twice = 2.0 * supply.pressure / supply.droop
+    assert supply_pressure_rate(supply, 0.0, supply.pressure, twice) == 0.0
+    assert supply_pressure_rate(supply, 1e3, supply.pressure, twice) == pytest.approx(
+        -1e3 / supply.droop_time_constant)
 
 
 def test_supply_droop_shows_while_much_flows_and_is_gone_at_rest():

@@ -96,7 +96,7 @@ def test_nothing_leaves_physics(sizes, effects, law, booster, actuator, levels):
         assert run[name].max() < supply + slack, name
     assert run['back_pressure'].min() >= -5.0  # the tolerance of the solver
     assert run['back_pressure'].max() <= supply + 5.0
-    assert run['supply_pressure'].min() >= -5.0  # the same
+    assert run['supply_pressure'].min() > 0.0
     travel = p.actuator.travel
     assert run['valve_position'].min() > -0.05 * travel
     assert run['valve_position'].max() < 1.05 * travel

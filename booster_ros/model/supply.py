@@ -64,5 +64,10 @@ def longest_hold(supply: Supply) -> float:
 
 
 def supply_pressure_rate(supply: Supply, pressure: float, undrawn: float, flow: float) -> float:
-    """Return d(supply pressure)/dt, Pa/s; `undrawn` is the pressure at no flow, `flow` in kg/s."""
-    return (undrawn - supply.droop * max(flow, 0.0) - pressure) / supply.droop_time_constant
+    """
+    Return d(supply pressure)/dt, Pa/s; `undrawn` is the pressure at no flow, `flow` in kg/s.
+
+    A regulator loses all of its pressure at the most: it does not suck.
+    """
+    left = max(undrawn - supply.droop * max(flow, 0.0), 0.0)
+    return (left - pressure) / supply.droop_time_constant
