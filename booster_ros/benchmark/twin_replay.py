@@ -30,13 +30,13 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 import yaml
 
+from ..nodes.handling import handle_waiting
 from ..nodes.ready import LATCHED
 from ..nodes.tick_clock import NANOSECONDS
 from ..nodes.twin import TwinNode
 from ..programs.ros_domain import claim_domain
 from ..records import read_record
 from ..records.bag_writer import BagWriter
-from ..nodes.handling import handle_waiting
 from ..twin.aligning import CHANNELS
 
 BEGIN = 1000.0

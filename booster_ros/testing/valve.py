@@ -14,10 +14,10 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ..nodes.handling import handle_waiting
 from ..nodes.positioner import Positioner
 from ..programs.ros_domain import claim_domain
 from .bench import Bench
-from ..nodes.handling import handle_waiting
 from .matching import wait_for_match
 from .series import Sample
 

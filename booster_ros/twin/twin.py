@@ -286,8 +286,9 @@ class Twin:
         block = summary(rows.time, rows.said, rows.left, self.spans)
         assert self._model.alarms is not None
         if not self._model.alarms.promised:
-            self._model.learnt = {name: max(size, self._model.learnt.get(name, 0.0))
-                            for name, size in self._model.misfit.items()}
+            self._model.learnt = {
+                name: max(size, self._model.learnt.get(name, 0.0))
+                for name, size in self._model.misfit.items()}
         return [] if block is None else self._model.alarms.note(block)
 
     def _follow(self, levels: dict[str, float], name: str, new: float) -> None:

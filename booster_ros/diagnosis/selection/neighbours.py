@@ -85,8 +85,8 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
             for name, problem, z in begun], [])
     thin = _begun(task, parent, wanted, tick)
     # every row tells yet more than thinned ones
-    near = [one for same in by_observation(thin) for one in same
-            if idealised(one, parent) or one in near_best(same, TIE)]
+    near = [one for same in by_observation(thin) for best in [near_best(same, TIE)]
+            for one in same if idealised(one, parent) or one in best]
     found = []
     for one in near:
         found.append(one if one.problem.observation is WINDOWS else fitted_to_every_row(
