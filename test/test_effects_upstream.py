@@ -263,7 +263,7 @@ def test_the_exhaust_chokes_at_the_shifted_ratio_too(shift):
 
 
 def test_a_regulator_that_a_flow_takes_all_from_does_not_suck():
-    """Of a steady flow that would take twice the pressure it keeps nothing, and comes from above."""
+    """A flow that would take twice the pressure leaves none, and is approached from above."""
     supply = positioner({'supply.droop': 2e8}).supply
     twice = 2.0 * supply.pressure / supply.droop
     assert supply_pressure_rate(supply, 0.0, supply.pressure, twice) == 0.0
