@@ -9,10 +9,11 @@ import numpy as np
 from positioner_runs import positioner, rows
 import pytest
 
+from booster_ros.model.control_law import at_rest
 from booster_ros.model.controlled_plant import ControlledPlant, make_plant
 from booster_ros.model.ensemble import simulate_ensemble
 from booster_ros.model.parameters import DESCRIPTIONS, ParameterError
-from booster_ros.model.position_controller import set_point_of
+from booster_ros.model.position_controller import PositionController, set_point_of
 from booster_ros.model.simulation import Plant, simulate
 from booster_ros.model.stream import Stream
 
@@ -370,3 +371,11 @@ def test_a_loop_current_means_a_position():
 def test_what_contradicts_itself_is_refused(values, complaint):
     with pytest.raises(ParameterError, match=complaint):
         loop(values)
+
+
+@pytest.mark.parametrize(('set_point', 'linkage'), [
+    (8e-3, 8e-3), (8.1e-3, 8.05e-3), (7e-3, 7.95e-3), (8.02e-3, 8.02e-3)])
+def test_a_linkage_with_play_begins_where_the_controller_has_least_to_correct(set_point, linkage):
+    c = PositionController(feedback_backlash=1e-4)
+    state = at_rest(c, 16e-3, set_point, 8e-3, 4e-4)
+    assert state.linkage == state.lagged_linkage == state.seen == pytest.approx(linkage)

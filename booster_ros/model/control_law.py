@@ -188,9 +188,12 @@ def at_rest(
     Return the state of a controller that has long held the stem, with a sample due now.
 
     The set point (m) has stood, the stem is at `position` (m), and the integral part is such that
-    the current, A, is the one that holds it there.
+    the current, A, is the one that holds it there. Of all places in its play the linkage has the
+    one at which the controller has least to correct.
     """
     integral = current - c.bias if c.integral_time > 0.0 else 0.0
+    target, half = target_of(c, set_point, travel), 0.5 * c.feedback_backlash
+    linkage = min(max(target, position - half), position + half)
     return ControllerState(
-        0.0, current, 0.0, 0.0, integral, set_point, set_point,
-        target_of(c, set_point, travel), 0.0, position, position, seen_position(c, position), 0.0)
+        0.0, current, 0.0, 0.0, integral, set_point, set_point, target, 0.0, linkage, linkage,
+        seen_position(c, linkage), 0.0)
