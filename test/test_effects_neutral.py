@@ -21,7 +21,8 @@ NAMES = {
     'stem': 'stem_friction position_dependent_friction spring_nonlinearity effective_area_change '
             'bench_set_shift spring_rate_change stem_damping travel_limit seat_load flow_force '
             'process_force',
-    'position_controller': 'slew_limit positioner_dead_zone feedback_backlash positioner_tuning',
+    'position_controller': 'slew_limit positioner_dead_zone feedback_backlash positioner_tuning '
+                           'proportional_firmware integrating_firmware pulsing_firmware',
     'sensor': 'position_backlash position_sensor_lag position_sensor_bias pressure_sensor_lag '
               'pressure_sensor_bias',
 }

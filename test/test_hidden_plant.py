@@ -200,7 +200,8 @@ def test_effect_of_size_zero_is_no_effect(key):
 
 
 NOT_OFFERED = {'travel_limit', 'spring_rate_change', 'stem_damping', 'ep_gain_loss', 'slew_limit',
-               'positioner_dead_zone', 'feedback_backlash', 'positioner_tuning', 'process_force'}
+               'positioner_dead_zone', 'feedback_backlash', 'positioner_tuning', 'process_force',
+               'proportional_firmware', 'integrating_firmware', 'pulsing_firmware'}
 """Effects that other rigs have, or a positioner, and that this plant does not play alone."""
 
 

@@ -51,7 +51,8 @@ def test_a_set_point_drives_where_the_controller_is_declared():
     experiment = prepared()
     assert experiment.drives == ('set_point',)
     assert experiment.channels == ('chamber_pressure', 'valve_position')
-    assert set(applicable(experiment, DECLARED)) == set(EFFECTS) - {'process_force'}
+    assert set(applicable(experiment, DECLARED)) == set(EFFECTS) - {
+        'process_force', 'integrating_firmware'}
     assert 'position_controller.gain' in {
         free.knob.parameter for free in free_to_refit(DECLARED, experiment)}
     for name, values in experiment.predict(DECLARED).items():

@@ -11,6 +11,7 @@ from .actuator import VESSEL
 from .booster import NO_BOOSTER
 from .effect import Effect, Knob
 from .gas import ISO_6358
+from .position_controller import CONTINUOUS, PULSES, PositionController
 from .system import PositionerParameters
 
 
@@ -20,6 +21,18 @@ def _effect(name, location, meaning, needs, experiment, source, *knobs: Knob,
     return Effect(
         name, location, knobs, meaning, needs, experiment, source, loosens, reading, orifice_law,
         driven_by)
+
+
+def _firmware(name: str, meaning: str, **sets: float) -> Effect:
+    """Return the effect that a positioner has another control law, tuned in its own way."""
+    return Effect(
+        name, 'position_controller', (
+            Knob('position_controller.gain_change', 0.7, -4.605, 4.605),
+            Knob('position_controller.integral_time_change', 0.7, -2.303, 2.303, clocked=True)),
+        f'the positioner has another firmware than declared: {meaning}', 'steps',
+        "read the positioner's type and settings", 'control laws of smart positioners: IEC 61514-2',
+        sets=tuple((f'position_controller.{parameter}', value)
+                   for parameter, value in sets.items()))
 
 
 _SLIDING = Knob('actuator.coulomb_friction', 300.0, 0.0, 6e3, rubs=True)
@@ -242,6 +255,15 @@ _ROWS = (
         'gain and integral time within a factor of ten either way',
         Knob('position_controller.gain_change', 0.7, -2.303, 2.303),
         Knob('position_controller.integral_time_change', 0.7, -2.303, 2.303, clocked=True)),
+    _firmware(
+        'proportional_firmware', 'it is proportional, with velocity feedback',
+        output=CONTINUOUS, gain=0.3, integral_time=0.0, derivative_time=0.03),
+    _firmware(
+        'integrating_firmware', 'it has an integral part',
+        output=CONTINUOUS, gain=0.17, integral_time=4.2, derivative_time=0.0),
+    _firmware(
+        'pulsing_firmware', 'it moves the valve by pulses',
+        output=PULSES, gain=5e-3, integral_time=0.0, derivative_time=0.2, least_pulse=2e-4),
     _effect(
         'position_backlash', 'sensor', 'lost motion in the feedback linkage',
         'reversals', 'a second position sensor on the stem',
@@ -294,8 +316,17 @@ def is_optional(parameter: str) -> bool:
     return is_of_effect(parameter) or parameter.startswith('position_controller.')
 
 
+def _firmware_of(c: PositionController) -> str:
+    """Return the name of the effect that a positioner of another kind has this control law."""
+    if c.output == PULSES:
+        return 'pulsing_firmware'
+    return 'integrating_firmware' if c.integral_time > 0.0 else 'proportional_firmware'
+
+
 def has_part(p: PositionerParameters, effect: Effect) -> bool:
     """Tell whether a rig has what an effect is in: the booster, or the stem and its sensor."""
+    if effect.sets:
+        return effect.name != _firmware_of(p.position_controller)
     if effect.location == 'booster':
         return p.booster.kind != NO_BOOSTER
     if effect.location == 'stem' or effect.reading == 'valve_position':

@@ -52,7 +52,8 @@ class Effect:
     `loosens` names the declared parameters that are known less well where this effect is present,
     `reading` the channel whose sensor it falsifies, `driven_by` the measured channel in proportion
     to which it acts. `orifice_law` is the only law of flow through the seats that knows the effect,
-    None where any does.
+    None where any does. `sets` are parameters that are otherwise than declared wherever the effect
+    is, whatever its size.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Effect:
     reading: str = ''
     orifice_law: int | None = None
     driven_by: str = ''
+    sets: tuple[tuple[str, float], ...] = ()
 
     @property
     def needs_clock(self) -> bool:

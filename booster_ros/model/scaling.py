@@ -7,7 +7,8 @@ Catalogue and terms say which sizes a record of the paper's positioner shows wel
 search there. A valve of another size has other hysteresis, friction and leaks: a current is in
 proportion to the range of the converter, a pressure to the supply, an area to the booster's
 largest, a force to what the supply makes on the diaphragm, a length to the travel, the area of a
-plug to that of the diaphragm. Shares, times, speeds and thermal resistances stay as they are.
+plug to that of the diaphragm, a controller's gain to range over travel. Shares, times, speeds and
+thermal resistances stay as they are.
 """
 
 from dataclasses import replace
@@ -37,6 +38,7 @@ def _natural(p: PositionerParameters, component: str, unit: str) -> float:
     sizes = {
         'A': supply / gain if gain else math.nan,
         'Pa': supply,
+        'A/m': supply / gain / travel if gain and travel else math.nan,
         'm^2': area,
         'kg/s': area * (supply + ATMOSPHERE),
         'Pa s/kg': 1.0 / area if area else math.nan,

@@ -206,6 +206,20 @@ def loosened(free: Free, effect: Effect) -> Free:
         knob, low=max(low, described.low), high=min(high, described.high)))
 
 
+_NO_ROOM = 1e-9
+"""Range in z of what an effect does away with: none, but for a fit that asks for one."""
+
+
+def about(free: Free, value: float) -> Free:
+    """Return a freedom about another value, as wide in proportion; about none it stays there."""
+    larger, knob = value / free.centre, free.knob
+    if not larger:
+        return replace(free, centre=0.0, knob=replace(
+            knob, typical=0.0, low=-_NO_ROOM * free.scale, high=0.0))
+    return replace(free, centre=value, scale=larger * free.scale, knob=replace(
+        knob, typical=larger * knob.typical, low=larger * knob.low, high=larger * knob.high))
+
+
 def effect_freedom(effect: Effect, declared: PositionerParameters = PAPER) -> list[Free]:
     """Return the parameters of an effect in such a valve, neutral at z = 0, typical near z = 1."""
     found = []

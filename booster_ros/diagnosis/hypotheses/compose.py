@@ -5,10 +5,12 @@
 from dataclasses import replace
 
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS, Observation
-from booster_ros.diagnosis.estimation.parametrisation import effect_freedom, loosened
+from booster_ros.diagnosis.estimation.parametrisation import about, effect_freedom, loosened, put
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.catalogue import EFFECTS, Effect
+from booster_ros.model.parameters import DESCRIPTIONS
+from booster_ros.model.scaling import proportion
 
 
 def with_effect(problem: Problem, effect: Effect) -> Problem:
@@ -18,7 +20,12 @@ def with_effect(problem: Problem, effect: Effect) -> Problem:
                   if (f.knob.parameter, f.element) not in present
                   and not (f.knob.clocked and problem.experiment.quasi_static))
     kept = tuple(loosened(f, effect) for f in problem.freedoms) if added else problem.freedoms
-    return replace(problem, freedoms=kept + added)
+    base = problem.base
+    for name, value in effect.sets:
+        value *= proportion(base, name.split('.')[0], DESCRIPTIONS[name].unit)
+        kept = tuple(about(f, value) if f.knob.parameter == name else f for f in kept)
+        base = put(base, name, value)
+    return replace(problem, base=base, freedoms=kept + added)
 
 
 def with_effects(problem: Problem, effects: tuple[str, ...]) -> Problem:
