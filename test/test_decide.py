@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of decisions: what is accepted in the place of what, and what may be relied on."""
 
+from dataclasses import replace
 from math import log
 
 import numpy as np
@@ -36,6 +37,16 @@ def test_a_model_is_accepted_by_its_evidence_and_by_more_than_one_block(
         evidence, without_best, candidates, reason):
     said = found(evidence, without_best)
     assert why_not(said, candidates) == reason
+
+
+def test_what_chance_changes_of_a_likelihood_has_to_be_gained_on_top():
+    luck = 40.0
+    for gained, reason in ((TIE + luck - 0.01, TOO_LITTLE), (TIE + luck + 0.01, '')):
+        assert why_not(replace(found(gained, gained), luck=luck), 1) == reason
+    chancy = replace(score([10.0, 20.0, 30.0, 40.0]), luck=luck)
+    for c in (1.0, 4.0):
+        assert compare(chancy, score([30.0] * 4), c).luck == luck / c
+        assert compare(score([30.0] * 4), chancy, c).luck == 0.0
 
 
 @pytest.mark.parametrize(('explained', 'left', 'at_bound', 'in_test', 'said'), [

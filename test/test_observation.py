@@ -8,6 +8,7 @@ from made_task import P, TIME, problem_of, seen, z_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.data.experiment import Chance
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.observation import Windows
 from booster_ros.diagnosis.hypotheses.compose import with_effects
@@ -81,3 +82,40 @@ def test_statistics_of_windows_lead_to_the_friction_that_there_is(slipping):
              for force in forces]
     assert abs(forces[int(np.argmin(costs))] - 380.0) <= 30.0
     assert min(costs[0], costs[-1]) > 3.0 * min(costs)
+
+
+def drawn(chance, time, seed):
+    """Return noise of variance 1, of which a share is that of a first-order process."""
+    rng = np.random.default_rng(seed)
+    carried = np.exp(-np.diff(time) / chance.seconds)
+    kicks = rng.standard_normal(len(time))
+    slow = np.empty(len(time))
+    slow[0] = kicks[0]
+    for k, share in enumerate(carried, start=1):
+        slow[k] = share * slow[k - 1] + np.sqrt(1.0 - share**2) * kicks[k]
+    return (np.sqrt(chance.share) * slow
+            + np.sqrt(1.0 - chance.share) * rng.standard_normal(len(time)))
+
+
+def test_noise_that_carries_over_counts_as_white():
+    chance = Chance(0.8, 2.0)
+    time = np.delete(0.05 * np.arange(900), np.s_[300:420])  # with a gap
+    windows = Windows.of(time, np.zeros(len(time)), chance)
+    found = np.array([ROWS.of(windows, drawn(chance, time, seed)) for seed in range(40)])
+    assert np.mean(found**2) == pytest.approx(1.0, abs=0.03)
+    for lag in (1, 10, 60):
+        assert abs(np.mean(found[:, lag:] * found[:, :-lag])) < 0.03
+    # what stands for long costs little, what comes and goes as much as beside white noise alone
+    stands, comes = np.zeros((2, len(time)))
+    stands[100:200], comes[100:200:2] = 1.0, 1.0
+    assert np.sum(ROWS.of(windows, stands)**2) < 0.3 * np.sum(stands**2)
+    quick = np.sum((ROWS.of(windows, comes) - ROWS.of(windows, 0.5 * stands))**2)
+    assert quick == pytest.approx(np.sum((comes - 0.5 * stands)**2) / (1.0 - chance.share), rel=0.1)
+
+
+def test_means_of_windows_know_what_their_rows_share():
+    chance = Chance(0.8, 1e3)
+    time = 0.05 * np.arange(200)
+    windows = Windows.of(time, np.zeros(len(time)), chance)
+    means = [windows.means(drawn(chance, time, seed)) for seed in range(200)]
+    assert np.std(means) == pytest.approx(1.0, abs=0.05)

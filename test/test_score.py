@@ -9,7 +9,8 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import multivariate_normal
 
-from booster_ros.diagnosis.selection.score import dispersion, score_of
+from booster_ros.diagnosis.estimation.dispersion import dispersion
+from booster_ros.diagnosis.selection.score import score_of
 
 ROWS, BLOCKS = 120, 6
 DEVIATION = np.array([1.0, 3.0, 0.2])
@@ -25,7 +26,7 @@ def linear(seed=1, high=np.inf):
     jacobian = np.vstack([-design, np.diag(1.0 / DEVIATION)])
     residuals = np.concatenate([readings - design @ z, z / DEVIATION])
     problem = SimpleNamespace(
-        observed=ROWS, sigma=DEVIATION,
+        observed=ROWS, sigma=DEVIATION, experiment=SimpleNamespace(chance={}),
         freedoms=tuple(SimpleNamespace(prior_deviation=lambda z, one=one: one)
                        for one in DEVIATION),
         bounds=lambda: (np.full(3, -np.inf), np.array([np.inf, high, np.inf])),
@@ -86,7 +87,8 @@ def test_a_variable_that_explains_nothing_costs_evidence():
     basis = np.linalg.qr(np.column_stack([fit.jacobian[:ROWS], fit.residuals[:ROWS]]))[0]
     idle -= basis @ (basis.T @ idle)  # nothing of what is left, nor of the others
     wider = SimpleNamespace(
-        observed=ROWS, first_rows=problem.first_rows, sigma=np.append(DEVIATION, 10.0),
+        observed=ROWS, first_rows=problem.first_rows, experiment=problem.experiment,
+        sigma=np.append(DEVIATION, 10.0),
         freedoms=(*problem.freedoms, SimpleNamespace(prior_deviation=lambda z: 10.0)),
         bounds=lambda: (np.full(4, -np.inf), np.full(4, np.inf)))
     more = SimpleNamespace(z=np.append(fit.z, 0.0), residuals=np.append(fit.residuals, 0.0),
@@ -127,3 +129,12 @@ def test_channels_count_by_their_rows_and_short_ones_have_no_autocorrelation():
     assert dispersion([3.0 * np.ones(11), np.zeros(11)]) == pytest.approx(4.5)
     assert dispersion([np.array([]), np.zeros(50)]) == 1.0
     assert dispersion([]) == 1.0
+
+
+def test_luck_is_what_next_to_no_change_does_to_a_cost_with_steps():
+    problem, fit, *_ = linear()
+    problem.cost = lambda z: fit.cost + (60.0 if z[0] > fit.z[0] else 0.0)
+    assert score_of(problem, fit, BLOCK_OF_ROW).luck == 0.0  # nothing is left to chance
+    problem.experiment.chance = {'chamber_pressure': object()}
+    problem.bounds = lambda: (np.full(3, -np.inf), np.full(3, np.inf))
+    assert 5.0 < score_of(problem, fit, BLOCK_OF_ROW).luck < 30.0

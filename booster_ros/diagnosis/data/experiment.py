@@ -5,6 +5,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -71,6 +72,20 @@ class Initial:
     valve_position: float | None = None
 
 
+class Chance(NamedTuple):
+    """
+    What of a channel's noise is no sensor's, but what the same valve would do otherwise next time.
+
+    That is its `share` of the variance; it carries over, by 1/e after so many `seconds`.
+    """
+
+    share: float = 0.0
+    seconds: float = 1.0
+
+
+NO_CHANCE = Chance()
+
+
 @dataclass(frozen=True)
 class DriveNoise:
     """
@@ -104,6 +119,7 @@ class Experiment:
     experiment is a sweep without a clock: its time only counts rows. The time of any other counts
     from `begins`, s in the record's clock. `notes` say what was left out and assumed; `tolerance`
     multiplies that of the solver. A controller samples every `least_period` s at the shortest.
+    `chance` tells what of the noise of measured channels the valve itself leaves to it.
     """
 
     time: Array
@@ -120,6 +136,7 @@ class Experiment:
     tolerance: float = DEFAULT_TOLERANCE
     command: str = 'control_current'
     least_period: float = 0.0
+    chance: Mapping[str, Chance] = field(default_factory=dict)
 
     @property
     def channels(self) -> tuple[str, ...]:

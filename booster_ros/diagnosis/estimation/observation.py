@@ -18,6 +18,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+
+from booster_ros.diagnosis.data.experiment import NO_CHANCE, Chance
 
 Array = np.ndarray
 
@@ -33,6 +36,10 @@ LEAST = 0.1
 
 _CUBIC = 4
 
+LONGEST = 200
+"""Largest number of rows whose noise is told apart from chance together: beyond several of the
+times for which that carries over, nothing more is told."""
+
 
 @dataclass(frozen=True, eq=False)
 class Windows:
@@ -40,7 +47,8 @@ class Windows:
     Rows of a channel in windows: time in s and readings in standard deviations of the noise.
 
     Both have the shape (rows,); `window` says to which window each row belongs, `first` and
-    `count` say for each window which is its first row and how many it has.
+    `count` say for each window which is its first row and how many it has. `chance` says what of
+    the noise is none of the sensor.
     """
 
     time: Array
@@ -48,17 +56,48 @@ class Windows:
     window: Array
     first: Array
     count: Array
+    chance: Chance = NO_CHANCE
 
     @classmethod
-    def of(cls, time: Array, readings: Array) -> 'Windows':
+    def of(cls, time: Array, readings: Array, chance: Chance = NO_CHANCE) -> 'Windows':
         """Return the windows of these rows."""
         _, first, window, count = np.unique(
             np.floor(time / WINDOW), return_index=True, return_inverse=True, return_counts=True)
-        return cls(time, readings, window, first, count)
+        return cls(time, readings, window, first, count, chance)
+
+    def white(self, residuals: Array) -> Array:
+        """
+        Return the residuals of rows as white noise of variance 1, where they are noise.
+
+        Of noise with the covariance (1 - share) I + share exp(-|t - t'|/seconds) the Cholesky
+        factor is taken off, stretch by stretch (generalised least squares).
+        """
+        if not self.chance.share:
+            return residuals
+        return np.concatenate([
+            solve_triangular(factor, residuals[rows], lower=True)
+            for rows, factor in self._factors])
+
+    @cached_property
+    def _factors(self) -> list[tuple[slice, Array]]:
+        """Return stretches of rows without a gap, and the factors of their covariances."""
+        steps = np.diff(self.time)
+        gaps = np.flatnonzero(steps > 2.0 * np.median(steps)) + 1 if len(steps) else steps
+        found = []
+        for begin, end in zip([0, *gaps], [*gaps, len(self.time)]):
+            for first in range(int(begin), int(end), LONGEST):
+                rows = slice(first, min(first + LONGEST, int(end)))
+                apart = np.abs(np.subtract.outer(self.time[rows], self.time[rows]))
+                share, seconds = self.chance
+                covariance = share * np.exp(-apart / seconds)
+                covariance[np.diag_indices_from(covariance)] = 1.0
+                found.append((rows, cholesky(covariance, lower=True)))
+        return found
 
     def means(self, residuals: Array) -> Array:
         """Return the mean of each window in standard deviations of its noise, shape (windows,)."""
-        return np.bincount(self.window, residuals) / np.sqrt(self.count)
+        variance = 1.0 + self.chance.share * (self.count - 1.0)  # chance hardly changes within one
+        return np.bincount(self.window, residuals) / np.sqrt(self.count * variance)
 
     def strengths(self, residuals: Array) -> Array:
         """
@@ -120,9 +159,9 @@ class Observation:
     visible: float = 1.0
 
 
-ROWS = Observation('rows', lambda windows, scaled: scaled,
+ROWS = Observation('rows', lambda windows, scaled: windows.white(scaled),
                    lambda windows: [np.arange(len(windows.time))])
-"""Every reading counts by itself."""
+"""Every reading counts, by itself where none of its noise is chance."""
 
 WINDOWS = Observation(
     'windows', lambda windows, scaled: np.append(windows.means(scaled), windows.strengths(scaled)),

@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.data.experiment import NO_CHANCE, Experiment, Initial
 from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Windows
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
@@ -36,6 +36,10 @@ DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
 """First step in z of the Jacobian's differences, and the bounds of later ones: a step changes the
 residuals by `Observation.visible` (norm). Below the smallest the solver's own error shows, above
 the largest columns bend."""
+
+ACROSS_STEPS = 1.0
+"""Step in z, first and largest, where chance makes steps in the residuals: what lies beyond several
+tells which way to go. Sizes of effects, and what is known beforehand, are of that order."""
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
@@ -136,9 +140,10 @@ class Problem:
     @cached_property
     def windows(self) -> tuple[Windows, ...]:
         """The counted rows of each channel, in windows."""
-        measured, noise = self.experiment.measured, self.experiment.noise
-        return tuple(Windows.of(self.experiment.time[rows], measured[name][rows] / noise[name])
-                     for name, rows in self.counted.items())
+        experiment = self.experiment
+        return tuple(Windows.of(
+            experiment.time[rows], experiment.measured[name][rows] / experiment.noise[name],
+            experiment.chance.get(name, NO_CHANCE)) for name, rows in self.counted.items())
 
     @cached_property
     def first_rows(self) -> tuple[Array, ...]:
@@ -177,7 +182,7 @@ class Problem:
         `here` are the residuals at z; `before` is an earlier Jacobian, which tells how far to step
         in each variable.
         """
-        steps = np.full(len(z), DIFFERENCE) if before is None else self.steps_for(
+        steps = np.full(len(z), self.first_step) if before is None else self.steps_for(
             np.linalg.norm(before, axis=0))
         silent = self._silent(z)
         columns = np.zeros((len(here), len(z)))
@@ -189,10 +194,12 @@ class Problem:
 
     def differences(self, z: Array, here: Array, which: Sequence[int], steps: Array) -> Array:
         """Return the columns of some variables in the Jacobian, by such steps in each variable."""
-        _, high = self.bounds()
+        low, high = self.bounds()
 
         def column(j: int) -> Array:
             step = steps[j] if z[j] + steps[j] <= high[j] else -steps[j]
+            if z[j] + step < low[j]:  # nor is there room enough on the other side
+                step = max(high[j] - z[j], low[j] - z[j], key=abs)
             moved = z.copy()
             moved[j] += step
             return (self.residuals(moved) - here) / step
@@ -204,8 +211,19 @@ class Problem:
         visible = self.observation.visible
         if self.observation is ROWS:  # it has to stand out of the solver's own error
             visible *= self.experiment.tolerance**2
-        return _on_grid(np.clip(visible / np.maximum(slopes, 1e-9),
-                                SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE))
+        visible = max(visible, self._rough)
+        most = ACROSS_STEPS if self._rough else LARGEST_DIFFERENCE
+        return _on_grid(np.clip(visible / np.maximum(slopes, 1e-9), SMALLEST_DIFFERENCE, most))
+
+    @property
+    def first_step(self) -> float:
+        """How far to step for differences, in z, where no slope is known."""
+        return ACROSS_STEPS if self._rough else DIFFERENCE
+
+    @cached_property
+    def _rough(self) -> float:
+        """By how much residuals differ (norm) that differ by chance alone."""
+        return float(np.sqrt(2.0 * sum(one.chance.share * len(one.time) for one in self.windows)))
 
     def _silent(self, z: Array) -> list[int]:
         """Return the variables of the start that cannot matter, such as a place in no play."""

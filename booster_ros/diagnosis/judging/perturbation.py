@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import DriveNoise, Experiment, Initial
-from booster_ros.diagnosis.prepare.timing import DRAWS
+from booster_ros.diagnosis.prepare.feedback import apart, runs
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.system import PositionerParameters
 
@@ -30,11 +30,7 @@ it is said: it then adds 4 % to the error."""
 def differences(experiment: Experiment, parameters: PositionerParameters, initial: Initial
                 ) -> dict[str, float]:
     """Return by how much two runs with nearly the same drives differ: RMS of each channel, SI."""
-    rng = np.random.default_rng(1)
-    runs = [_disturbed(experiment, rng).predict(parameters, initial) for _ in range(DRAWS)]
-    # the mean square difference of two runs is twice the variance between all of them
-    return {name: float(np.sqrt(2.0 * np.mean(np.var([run[name] for run in runs], axis=0, ddof=1))))
-            for name in experiment.measured}
+    return apart(runs(_disturbed, experiment, parameters, initial))
 
 
 def chance(experiment: Experiment, parameters: PositionerParameters, initial: Initial
@@ -42,8 +38,8 @@ def chance(experiment: Experiment, parameters: PositionerParameters, initial: In
     """Return `differences` in multiples of the noise where a stem sticks and they matter, or {}."""
     if not has_dry_friction(parameters.actuator):
         return {}
-    apart = differences(experiment, parameters, initial)
-    shares = {name: value / experiment.noise[name] for name, value in apart.items()}
+    shares = {name: value / experiment.noise[name] for name, value in differences(
+        experiment, parameters, initial).items()}
     return shares if max(shares.values()) >= WORTH_SAYING else {}
 
 

@@ -15,6 +15,7 @@ from booster_ros.diagnosis.data.experiment import (
 from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
+from booster_ros.diagnosis.prepare.feedback import with_noise_of_feedback
 from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.prepare.otherwise import check_taken_otherwise
 from booster_ros.diagnosis.prepare.plausibility import (
@@ -73,7 +74,7 @@ def prepare(
     experiment = _with_doubt_of_timing(experiment, declared, rows.source)
     if 'control_current' in rows.role.drives and 'back_pressure' not in rows.columns:
         experiment = with_start_of_converter(experiment, declared)
-    return _with_noise_of_drives(experiment, declared)
+    return _with_noise_of_drives(with_noise_of_feedback(experiment, declared), declared)
 
 
 def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:

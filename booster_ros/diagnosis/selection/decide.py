@@ -12,12 +12,13 @@ The decisions of a selection, each a row with its reason.
 
 m' is accepted in the place of m where, tempered by what the best candidate leaves,
 
-    log Z(m') - log Z(m)  >  log(number of candidates) + log 20
+    log Z(m') - log Z(m)  >  log(number of candidates) + log 20 + luck
 
 so that of twenty records in which nothing is missing one gets something added at the most, whatever
-the number of candidates (Bonferroni); and where what it explains does not rest on a single block
-of the record (a step, a ramp): without the block that gains most, the others still gain TIE. A
-disturbance happens once; an effect comes back with what excites it.
+the number of candidates (Bonferroni). Luck is what chance changes of the likelihood of m', as that
+of a loop which ends in its dead zone on one side or the other. And what it explains must not rest
+on a single block of the record (a step, a ramp): without the block that gains most, the others
+still gain TIE. A disturbance happens once; an effect comes back with what excites it.
 """
 
 from dataclasses import dataclass
@@ -51,7 +52,8 @@ class Comparison:
     What a record says of one model against another.
 
     The differences of log evidence and of log posterior density, + where the first is better, the
-    standard error of the latter over blocks, the latter without the block that gains most, and c.
+    standard error of the latter over blocks, the latter without the block that gains most, c, and
+    what chance changes of the former.
     """
 
     log_evidence: float
@@ -59,6 +61,7 @@ class Comparison:
     gain_standard_error: float
     without_best_block: float
     dispersion: float
+    luck: float = 0.0
 
     def figures(self) -> dict[str, float]:
         """Return what reports say of it."""
@@ -87,14 +90,15 @@ def compare(one: Score, other: Score, c: float) -> Comparison:
     error = float(np.std(gains, ddof=1) * np.sqrt(len(gains))) if len(gains) > 1 else 0.0
     gain = float(gains.sum()) + 0.5 * (other.prior - one.prior)
     return Comparison(
-        one.log_evidence(c) - other.log_evidence(c), gain, error, gain - float(gains.max()), c)
+        one.log_evidence(c) - other.log_evidence(c), gain, error, gain - float(gains.max()), c,
+        one.luck / c)
 
 
 def why_not(found: Comparison, candidates: int) -> str:
     """Return why the first model, one of so many candidates, is not accepted, '' where it is."""
     if found.log_evidence > TIE and not found.without_best_block > TIE:
         return 'its gain rests on a single block of the record'
-    enough = found.log_evidence > log(max(candidates, 1)) + TIE
+    enough = found.log_evidence > log(max(candidates, 1)) + TIE + found.luck
     return '' if enough else 'the evidence for it is not enough'
 
 

@@ -26,7 +26,7 @@ from booster_ros.diagnosis.estimation.observation import ROWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant
-from booster_ros.diagnosis.selection.decide import TIE
+from booster_ros.diagnosis.selection.decide import TIE, Comparison
 from booster_ros.diagnosis.selection.neighbours import BEGUN
 from booster_ros.diagnosis.selection.screening import first_steps, reference_at, screen
 from booster_ros.diagnosis.selection.stepwise import Selection, comparison
@@ -44,11 +44,15 @@ def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[s
         instead = set(one.effects) - rest
         if (len(instead) == 1 and rest <= set(one.effects) and name not in instead
                 and instead <= EFFECTS.keys() and one.score.observed == chosen.score.observed
-                and comparison(task, chosen, one, []).log_evidence < TIE):
+                and _not_told_apart(comparison(task, chosen, one, []))):
             found += sorted(instead)
     if chosen.problem.observation is ROWS:
         found += _indistinct(task, chosen, name)
     return tuple(dict.fromkeys(found))
+
+
+def _not_told_apart(found: Comparison) -> bool:
+    return found.log_evidence < TIE + found.luck
 
 
 def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:

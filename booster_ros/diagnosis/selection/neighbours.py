@@ -38,6 +38,11 @@ BEGUN = 10
 the first ten."""
 
 
+MORE_STARTS = 4
+"""Number of drawn starts of the declared model's fit where a loop leaves it steps to get over: of
+single descents half end within noise of the best one."""
+
+
 @dataclass(frozen=True)
 class Neighbours:
     """Models on every training row, which may be chosen, and others left at thinned rows."""
@@ -69,7 +74,22 @@ def refitted(task: Task, effects: tuple[str, ...] = (), *sources: Fit) -> Model:
     if sources:
         warm = carried(problem, *sources)
         starts = [warm, nominal(problem, warm)]
+    elif task.experiment.chance:
+        starts += _drawn(problem)
     return fitted_to_every_row(task, effects, problem, fit(problem, starts).z)
+
+
+def _drawn(problem: Problem) -> list[Array]:
+    """
+    Return places drawn from the priors of the declared parameters.
+
+    Where a controller ends in its dead zone on one side or the other, the cost jumps, and a descent
+    does not get over each of these steps.
+    """
+    rng = np.random.default_rng(1)
+    several = rng.standard_normal((MORE_STARTS, len(problem.freedoms)))
+    return [np.clip(np.append(z, np.zeros(problem.nuisances)), *problem.bounds())
+            for z in several]
 
 
 def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = lambda: None

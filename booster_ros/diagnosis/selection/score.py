@@ -21,16 +21,20 @@ McCullagh and J. Nelder, Generalized Linear Models, 1989, 4.5; J. Miller and D. 
 (2019) 1113). With a perfect model c is 1.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import FEWEST
+from booster_ros.diagnosis.estimation.dispersion import dispersion
 from booster_ros.diagnosis.estimation.fit import Fit
+from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 
 Array = np.ndarray
+
+NEXT_TO_NO_CHANGE, NEARBY = 1e-3, 8
+"""How far z is changed, in typical sizes and standard deviations of what is known beforehand, to
+see what is left to chance, and how often: a cost without steps does not change by that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +45,8 @@ class Score:
     `cost` and `prior` are the sums of squares of observations and of what is known beforehand,
     `costs`, shape (blocks,), those of the observations of each block; `information` is J'J over the
     k variables that do not stand at a bound, shape (k, k), `precision` (k,) that of their priors.
-    `dispersion` is c of this model alone.
+    `dispersion` is c of this model alone. `luck` is by how much half the cost differs where the
+    same model runs otherwise by chance: that much of a difference of likelihoods means nothing.
     """
 
     cost: float
@@ -51,6 +56,7 @@ class Score:
     costs: Array = field(repr=False)
     information: Array = field(repr=False)
     precision: Array = field(repr=False)
+    luck: float = 0.0
 
     def log_evidence(self, c: float = 1.0) -> float:
         """Return log Z, tempered by c."""
@@ -73,28 +79,15 @@ def score_of(problem: Problem, fit: Fit, block_of_row: Array) -> Score:
     costs = np.bincount(label, residuals**2)
     series = np.split(residuals, np.cumsum([len(rows) for rows in problem.first_rows])[:-1])
     return Score(float(residuals @ residuals), fit.cost - float(residuals @ residuals), data,
-                 dispersion(series), costs, jacobian.T @ jacobian, 1.0 / deviation**2)
+                 dispersion(series), costs, jacobian.T @ jacobian, 1.0 / deviation**2,
+                 _luck_of(problem, fit))
 
 
-def dispersion(series: Sequence[Array]) -> float:
-    """
-    Return c of what is left: its mean square times its autocorrelation time, 1 at the least.
-
-    `series` are residuals in standard deviations of the noise. The autocorrelation time is
-    1 + 2 sum rho_k up to where pairs of neighbouring rho_k are no longer positive (C. Geyer,
-    Statistical Science 7 (1992) 473).
-    """
-    squares = [float(each @ each) * _autocorrelation_time(each) for each in series]
-    return max(1.0, sum(squares) / max(sum(map(len, series)), 1))
-
-
-def _autocorrelation_time(values: Array) -> float:
-    if len(values) < FEWEST or not np.any(values):
-        return 1.0
-    size = 1 << (2 * len(values) - 1).bit_length()
-    spectrum = np.abs(np.fft.rfft(values, size))**2
-    rho = np.fft.irfft(spectrum, size)[:len(values) // 2]
-    rho /= rho[0]
-    pairs = rho[1:len(rho) - 1:2] + rho[2::2][:len(rho[1:len(rho) - 1:2])]
-    positive = int(np.argmin(pairs > 0.0)) if np.any(pairs <= 0.0) else len(pairs)
-    return float(max(1.0, 1.0 + 2.0 * np.sum(pairs[:positive])))
+def _luck_of(problem: Problem, fit: Fit) -> float:
+    """Return the root mean square of what next to no change of z changes of half the cost."""
+    if not problem.experiment.chance:
+        return 0.0
+    near = fit.z + NEXT_TO_NO_CHANGE * np.random.default_rng(1).standard_normal(
+        (NEARBY, len(fit.z)))
+    costs = side_by_side(problem.cost, np.clip(near, *problem.bounds()))
+    return 0.5 * float(np.sqrt(np.mean((np.array(costs) - fit.cost)**2)))

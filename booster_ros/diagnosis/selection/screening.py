@@ -30,7 +30,7 @@ from scipy.signal import periodogram
 from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
 from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.parametrisation import TOLD_AT_REST, Free
-from booster_ros.diagnosis.estimation.problem import DIFFERENCE, Problem
+from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.diagnosis.selection.decide import TIE
 from booster_ros.model.catalogue import EFFECTS
@@ -261,7 +261,8 @@ def first_steps(problem: Problem, quick: Screened) -> Fit:
     for _, start, reference in quick.starts:
         slopes = np.insert(reference.jacobian, [inner.start] * len(inner), 0.0, axis=1)
         slopes[:, inner] = quick.problem.differences(
-            start, quick.problem.residuals(start), inner, np.full(len(start), DIFFERENCE))
+            start, quick.problem.residuals(start), inner,
+            np.full(len(start), quick.problem.first_step))
         found.append(fit(quick.problem, [start], FIRST_STEPS, slopes=slopes))
     return min(found, key=lambda one: one.cost)
 
