@@ -3,8 +3,8 @@
 """
 The neighbours of a model in a stepwise selection: the models with one effect more.
 
-1. What all but noise explains already may lack a small effect only: a score test on every row tells
-   which promise enough, and these are fitted.
+1. What all but noise explains already, as it is declared, may lack a small effect only: a score
+   test on every row tells which promise enough, and these are fitted.
 2. Else, screen every effect on thinned rows, take the first steps of a fit from where screening
    leads, and fit those that get furthest to their end.
 3. Fit those not told apart from the best to every row, and score them there.
@@ -12,14 +12,17 @@ The neighbours of a model in a stepwise selection: the models with one effect mo
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+import itertools
 
 import numpy as np
+from scipy.stats import chi2
 
 from booster_ros.diagnosis.estimation.fit import (
     FIRST_STEPS, NOTICEABLE, Fit, carried, fit, fit_at, nominal)
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
 from booster_ros.diagnosis.hypotheses.friction import friction_starts
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
@@ -97,7 +100,7 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
     """Return the models with one effect more than the parent, those near the best on every row."""
     wanted = [name for name in names
               if name not in parent.effects and not redundant(name, parent.effects)]
-    if parent.reduced_chi2 < NOISE:
+    if parent.reduced_chi2 < NOISE and not _far_off(parent):
         begun = _small(task, parent, wanted)
         # what had imitated the effect may have gone far: they begin as given as well
         return Neighbours([
@@ -113,6 +116,11 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
             task, one.effects, one.problem, one.fit.z))
         tick()
     return Neighbours(found, [one for one in thin if one not in near])
+
+
+def _far_off(parent: Model) -> bool:
+    """Tell whether declared parameters are further off, all together, than is known of them."""
+    return parent.score.prior > float(chi2.ppf(LEVEL, len(parent.problem.known)))
 
 
 def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:
@@ -148,7 +156,8 @@ def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Mode
     problem = task.problem(parent.effects)
     found = fit_at(problem, parent.fit.z)
     steps: list[tuple[Screened, Fit]] = []
-    for one in _screened(problem, found, [n for n in names if not EFFECTS[n].rubs], tick):
+    smooth = [name for name in names if not EFFECTS[name].rubs]
+    for one in _first(_screened(problem, found, smooth, tick), _far_off(parent)):
         steps.append((one, first_steps(problem, one)))
         tick()
     ended: list[Model] = []
@@ -183,7 +192,7 @@ def _furthest(steps: list[tuple[Screened, Fit]], noticed: float) -> list[tuple[S
 
 
 def _screened(problem: Problem, found: Fit, names: list[str], tick: Tick) -> list[Screened]:
-    """Return the effects that screening ranks first, with their starts."""
+    """Return the effects that do anything, with their starts."""
     smooth = problem.observation is ROWS
     around = references(problem, found) if smooth else [reference_at(problem, found)]
     frequencies = strong_frequencies(problem, found.z)
@@ -192,8 +201,26 @@ def _screened(problem: Problem, found: Fit, names: list[str], tick: Tick) -> lis
         tick()
         return screen(problem, around, name, frequencies, SIZES if smooth else SIZES[1:2])
 
-    return sorted((each for each in side_by_side(one, names) if each.starts),
-                  key=lambda each: each.cost)[:BEGUN]
+    return [each for each in side_by_side(one, names) if each.starts]
+
+
+def _first(screened: list[Screened], far_off: bool) -> list[Screened]:
+    """
+    Return the effects that screening ranks first, best first.
+
+    Where declared parameters are far off, those around each reference in turn: around a fit whose
+    parameters have imitated what is missing, nothing is.
+    """
+    ranked = sorted(screened, key=lambda each: each.cost)
+    if not far_off:
+        return ranked[:BEGUN]
+    references = {id(reference): reference for each in screened for *_, reference in each.starts}
+    rankings = [sorted(
+        (each for each in screened if any(other is one for *_, other in each.starts)),
+        key=lambda each: min(cost for cost, _, other in each.starts if other is one))
+        for one in references.values()]
+    in_turn = itertools.chain.from_iterable(itertools.zip_longest(*rankings))
+    return list({each.effect: each for each in in_turn if each is not None}.values())[:BEGUN]
 
 
 def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:
