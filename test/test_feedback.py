@@ -11,8 +11,9 @@ import pytest
 from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.prepare.feedback import RESOLVED, with_noise_of_feedback
+from booster_ros.diagnosis.prepare.feedback import with_noise_of_feedback
 from booster_ros.model.parameters import from_values
+from booster_ros.model.position_controller import FINEST
 
 TIME = np.arange(0.0, 48.0, 0.05)
 SET_POINT = 1e-3 * np.array([8.0, 10.0, 9.0, 9.3, 6.0, 6.1, 11.0, 10.8])[(TIME // 6.0).astype(int)]
@@ -29,7 +30,7 @@ def valve(values):
 def held(p, seed, noisy):
     """Return the experiment of a valve whose controller sees the stem with noise, or without."""
     rng = np.random.default_rng(seed)
-    seen = noisy * RESOLVED * p.actuator.travel * rng.standard_normal(len(TIME))
+    seen = noisy * FINEST * p.actuator.travel * rng.standard_normal(len(TIME))
     whole = Experiment(
         TIME, SET_POINT + seen, {name: np.zeros(len(TIME)) for name in NOISE}, NOISE, {},
         Initial(225e3, valve_position=8e-3), command='set_point')

@@ -16,6 +16,9 @@ ACTIONS = ('air_to_open', 'air_to_close')
 POINTS = 11
 """Openings in the table of a characteristic, at every tenth of the signal."""
 
+FINEST = 2.0**-14
+"""What a positioner's converter resolves of the travel at the best, 14 bits."""
+
 _NONE = 'neutral: none'
 
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import solve_banded
 
 from booster_ros.diagnosis.data.experiment import NO_CHANCE, Chance
 
@@ -35,10 +35,6 @@ LEAST = 0.1
 """Smallest variance that readings are taken to have, in squares of the noise."""
 
 _CUBIC = 4
-
-LONGEST = 200
-"""Largest number of rows whose noise is told apart from chance together: beyond several of the
-times for which that carries over, nothing more is told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +55,9 @@ class Windows:
     chance: Chance = NO_CHANCE
 
     @classmethod
-    def of(cls, time: Array, readings: Array, chance: Chance = NO_CHANCE) -> 'Windows':
+    def of(
+        cls, time: Array, readings: Array, chance: Chance = NO_CHANCE
+    ) -> 'Windows':
         """Return the windows of these rows."""
         _, first, window, count = np.unique(
             np.floor(time / WINDOW), return_index=True, return_inverse=True, return_counts=True)
@@ -69,30 +67,31 @@ class Windows:
         """
         Return the residuals of rows as white noise of variance 1, where they are noise.
 
-        Of noise with the covariance (1 - share) I + share exp(-|t - t'|/seconds) the Cholesky
-        factor is taken off, stretch by stretch (generalised least squares).
+        They are the innovations of a Kalman filter, in their standard deviations, for noise with the
+        covariance (1 - share) I + share exp(-|t - t'|/seconds).
         """
         if not self.chance.share:
             return residuals
-        return np.concatenate([
-            solve_triangular(factor, residuals[rows], lower=True)
-            for rows, factor in self._factors])
+        carried, gain, deviation = self._filter
+        # what is expected after each row, m_k = (1 - gain) carried m_(k-1) + gain r_k, all at once
+        bands = np.array([np.ones(len(gain)), np.append(-((1.0 - gain) * carried)[1:], 0.0)])
+        expected = solve_banded((1, 0), bands, gain * residuals)
+        foreseen = carried * np.append(0.0, expected[:-1])
+        return np.asarray((residuals - foreseen) / deviation)
 
     @cached_property
-    def _factors(self) -> list[tuple[slice, Array]]:
-        """Return stretches of rows without a gap, and the factors of their covariances."""
-        steps = np.diff(self.time)
-        gaps = np.flatnonzero(steps > 2.0 * np.median(steps)) + 1 if len(steps) else steps
-        found = []
-        for begin, end in zip([0, *gaps], [*gaps, len(self.time)]):
-            for first in range(int(begin), int(end), LONGEST):
-                rows = slice(first, min(first + LONGEST, int(end)))
-                apart = np.abs(np.subtract.outer(self.time[rows], self.time[rows]))
-                share, seconds = self.chance
-                covariance = share * np.exp(-apart / seconds)
-                covariance[np.diag_indices_from(covariance)] = 1.0
-                found.append((rows, cholesky(covariance, lower=True)))
-        return found
+    def _filter(self) -> tuple[Array, Array, Array]:
+        """Return of each row what carries over to it, the filter's gain, and what it foresees."""
+        share = self.chance.share
+        carried = np.exp(-np.diff(self.time, prepend=self.time[:1]) / self.chance.seconds)
+        gain, variance = np.empty((2, len(carried)))
+        unsure = share
+        for k, part in enumerate(carried):
+            unsure = part**2 * unsure + (1.0 - part**2) * share
+            variance[k] = unsure + 1.0 - share
+            gain[k] = unsure / variance[k]
+            unsure *= 1.0 - gain[k]
+        return carried, gain, np.sqrt(variance)
 
     def means(self, residuals: Array) -> Array:
         """Return the mean of each window in standard deviations of its noise, shape (windows,)."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.estimation.least_squares import NO_STEP
 from booster_ros.model.catalogue import EFFECTS, Effect, Knob
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.scaling import PAPER, in_proportion
@@ -206,16 +207,12 @@ def loosened(free: Free, effect: Effect) -> Free:
         knob, low=max(low, described.low), high=min(high, described.high)))
 
 
-_NO_ROOM = 1e-9
-"""Range in z of what an effect does away with: none, but for a fit that asks for one."""
-
-
 def about(free: Free, value: float) -> Free:
     """Return a freedom about another value, as wide in proportion; about none it stays there."""
     larger, knob = value / free.centre, free.knob
     if not larger:
         return replace(free, centre=0.0, knob=replace(
-            knob, typical=0.0, low=-_NO_ROOM * free.scale, high=0.0))
+            knob, typical=0.0, low=-NO_STEP * free.scale, high=0.0))
     return replace(free, centre=value, scale=larger * free.scale, knob=replace(
         knob, typical=larger * knob.typical, low=larger * knob.low, high=larger * knob.high))
 

@@ -37,10 +37,6 @@ DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
 residuals by `Observation.visible` (norm). Below the smallest the solver's own error shows, above
 the largest columns bend."""
 
-ACROSS_STEPS = 1.0
-"""Step in z, first and largest, where chance makes steps in the residuals: what lies beyond several
-tells which way to go. Sizes of effects, and what is known beforehand, are of that order."""
-
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
 pressure in 500 Pa, places in the two plays, warmth of the chamber's air in 10 K, what a term
@@ -212,13 +208,18 @@ class Problem:
         if self.observation is ROWS:  # it has to stand out of the solver's own error
             visible *= self.experiment.tolerance**2
         visible = max(visible, self._rough)
-        most = ACROSS_STEPS if self._rough else LARGEST_DIFFERENCE
+        most = self.first_step if self._rough else LARGEST_DIFFERENCE
         return _on_grid(np.clip(visible / np.maximum(slopes, 1e-9), SMALLEST_DIFFERENCE, most))
 
     @property
     def first_step(self) -> float:
-        """How far to step for differences, in z, where no slope is known."""
-        return ACROSS_STEPS if self._rough else DIFFERENCE
+        """
+        How far to step for differences, in z, where no slope is known.
+
+        Where chance makes steps in the residuals, what lies beyond several of them tells which way
+        to go: a typical size of an effect, a standard deviation of what is known beforehand.
+        """
+        return 1.0 if self._rough else DIFFERENCE
 
     @cached_property
     def _rough(self) -> float:

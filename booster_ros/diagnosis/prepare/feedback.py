@@ -17,13 +17,10 @@ import numpy as np
 from booster_ros.diagnosis.data.experiment import Chance, Experiment, Initial
 from booster_ros.diagnosis.estimation.dispersion import autocorrelation_time
 from booster_ros.diagnosis.prepare.timing import DRAWS
-from booster_ros.model.position_controller import PULSES
+from booster_ros.model.position_controller import FINEST, PULSES
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
-
-RESOLVED = 2.0**-14
-"""What the controller's converter resolves of the travel, which is noise to it: 14 bits."""
 
 
 def with_noise_of_feedback(experiment: Experiment, declared: PositionerParameters) -> Experiment:
@@ -32,7 +29,7 @@ def with_noise_of_feedback(experiment: Experiment, declared: PositionerParameter
     on_its_own = c.output == PULSES or c.dead_zone > 0.0
     if not experiment.in_loop or experiment.is_slow or not on_its_own:  # slow rows hide it
         return experiment
-    level = RESOLVED * declared.actuator.travel
+    level = max(FINEST * declared.actuator.travel, c.feedback_resolution)
 
     def seen(one: Experiment, rng: np.random.Generator) -> Experiment:
         # to the controller an error of the position is one of the set point

@@ -41,11 +41,6 @@ BEGUN = 10
 the first ten."""
 
 
-MORE_STARTS = 4
-"""Number of drawn starts of the declared model's fit where a loop leaves it steps to get over: of
-single descents half end within noise of the best one."""
-
-
 @dataclass(frozen=True)
 class Neighbours:
     """Models on every training row, which may be chosen, and others left at thinned rows."""
@@ -87,10 +82,10 @@ def _drawn(problem: Problem) -> list[Array]:
     Return places drawn from the priors of the declared parameters.
 
     Where a controller ends in its dead zone on one side or the other, the cost jumps, and a descent
-    does not get over each of these steps.
+    does not get over each of these steps: of single ones half end within noise of the best.
     """
     rng = np.random.default_rng(1)
-    several = rng.standard_normal((MORE_STARTS, len(problem.freedoms)))
+    several = rng.standard_normal((BEST, len(problem.freedoms)))
     return [np.clip(np.append(z, np.zeros(problem.nuisances)), *problem.bounds())
             for z in several]
 

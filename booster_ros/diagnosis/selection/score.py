@@ -25,16 +25,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import FEWEST
 from booster_ros.diagnosis.estimation.dispersion import dispersion
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.parallel import side_by_side
-from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.estimation.problem import DIFFERENCE, Problem
 
 Array = np.ndarray
-
-NEXT_TO_NO_CHANGE, NEARBY = 1e-3, 8
-"""How far z is changed, in typical sizes and standard deviations of what is known beforehand, to
-see what is left to chance, and how often: a cost without steps does not change by that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +84,6 @@ def _luck_of(problem: Problem, fit: Fit) -> float:
     """Return the root mean square of what next to no change of z changes of half the cost."""
     if not problem.experiment.chance:
         return 0.0
-    near = fit.z + NEXT_TO_NO_CHANGE * np.random.default_rng(1).standard_normal(
-        (NEARBY, len(fit.z)))
+    near = fit.z + DIFFERENCE * np.random.default_rng(1).standard_normal((FEWEST, len(fit.z)))
     costs = side_by_side(problem.cost, np.clip(near, *problem.bounds()))
     return 0.5 * float(np.sqrt(np.mean((np.array(costs) - fit.cost)**2)))
