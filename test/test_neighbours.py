@@ -8,7 +8,8 @@ from made_task import P, seen, task_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.selection.neighbours import _furthest, neighbours, refitted
+from booster_ros.diagnosis.selection.neighbours import (
+    BEGUN, _far_off, _first, _furthest, neighbours, refitted)
 
 
 def order(costs, noticed):
@@ -27,6 +28,28 @@ def test_of_steps_that_lost_their_way_screening_tells_the_order_wherever_they_en
     for far in (500.0, 101.0):
         assert order({'idle': (99.9, 99.9), 'right': (40.0, far), 'gained': (95.0, 75.0)},
                      80.0) == ['gained', 'right', 'idle']
+
+
+def screened(effect, **costs):
+    """Return an effect as screened, by the costs that it reaches around places of these names."""
+    starts = tuple(sorted((cost, None, place) for place, cost in costs.items()))
+    return SimpleNamespace(effect=effect, starts=starts, cost=starts[0][0])
+
+
+def test_around_a_refit_that_has_imitated_what_is_missing_nothing_is():
+    several = [screened(f'idle {k}', refit=10.0 + k, given=900.0 - k) for k in range(2 * BEGUN)]
+    several.append(screened('right', refit=99.0, given=20.0))
+    names = [[one.effect for one in _first(several, far_off)] for far_off in (False, True)]
+    assert [len(one) for one in names] == [BEGUN, BEGUN]
+    assert 'right' not in names[0]
+    assert names[1][:4] == ['idle 0', 'right', 'idle 1', f'idle {2 * BEGUN - 1}']
+
+
+@pytest.mark.parametrize(('prior', 'said'), [(5.0, False), (18.2, False), (18.4, True)])
+def test_declared_parameters_are_far_off_beyond_what_is_known_of_all_of_them(prior, said):
+    parent = SimpleNamespace(score=SimpleNamespace(prior=prior),
+                             problem=SimpleNamespace(known=np.arange(10)))
+    assert _far_off(parent) is said  # the 95 % quantile of chi-square is 18.31
 
 
 @pytest.mark.parametrize(('leak', 'seed'), [(2e-8, 4), (4e-8, 1)])

@@ -67,8 +67,8 @@ class Windows:
         """
         Return the residuals of rows as white noise of variance 1, where they are noise.
 
-        They are the innovations of a Kalman filter, in their standard deviations, for noise with the
-        covariance (1 - share) I + share exp(-|t - t'|/seconds).
+        They are the innovations of a Kalman filter, in their standard deviations, for noise with
+        the covariance (1 - share) I + share exp(-|t - t'|/seconds).
         """
         if not self.chance.share:
             return residuals
