@@ -39,7 +39,7 @@ def screened(effect, **costs):
 def test_around_a_refit_that_has_imitated_what_is_missing_nothing_is():
     several = [screened(f'idle {k}', refit=10.0 + k, given=900.0 - k) for k in range(2 * BEGUN)]
     several.append(screened('right', refit=99.0, given=20.0))
-    names = [[one.effect for one in _first(several, far_off)] for far_off in (False, True)]
+    names = [[one.effect for one in _first(several, imitated)] for imitated in (False, True)]
     assert [len(one) for one in names] == [BEGUN, BEGUN]
     assert 'right' not in names[0]
     assert names[1][:4] == ['idle 0', 'right', 'idle 1', f'idle {2 * BEGUN - 1}']

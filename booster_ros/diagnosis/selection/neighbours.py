@@ -95,13 +95,14 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
     """Return the models with one effect more than the parent, those near the best on every row."""
     wanted = [name for name in names
               if name not in parent.effects and not redundant(name, parent.effects)]
-    if parent.reduced_chi2 < NOISE and not _far_off(parent):
+    imitated = parent.reduced_chi2 < NOISE and _far_off(parent)
+    if parent.reduced_chi2 < NOISE and not imitated:
         begun = _small(task, parent, wanted)
         # what had imitated the effect may have gone far: they begin as given as well
         return Neighbours([
             fitted_to_every_row(task, (*parent.effects, name), problem, z, nominal(problem, z))
             for name, problem, z in begun], [])
-    thin = _begun(task, parent, wanted, tick)
+    thin = _begun(task, parent, wanted, imitated, tick)
     # every row tells yet more than thinned ones
     near = [one for same in by_observation(thin) for best in [near_best(same, TIE)]
             for one in same if idealised(one, parent) or one in best]
@@ -146,13 +147,14 @@ def _small(task: Task, parent: Model, names: list[str]) -> list[tuple[str, Probl
             for one in hopeful[:BEST]]
 
 
-def _begun(task: Task, parent: Model, names: list[str], tick: Tick) -> list[Model]:
+def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Tick
+           ) -> list[Model]:
     """Return the models with the effects that get furthest on thinned rows, fitted to these."""
     problem = task.problem(parent.effects)
     found = fit_at(problem, parent.fit.z)
     steps: list[tuple[Screened, Fit]] = []
     smooth = [name for name in names if not EFFECTS[name].rubs]
-    for one in _first(_screened(problem, found, smooth, tick), _far_off(parent)):
+    for one in _first(_screened(problem, found, smooth, tick), imitated):
         steps.append((one, first_steps(problem, one)))
         tick()
     ended: list[Model] = []
@@ -199,15 +201,15 @@ def _screened(problem: Problem, found: Fit, names: list[str], tick: Tick) -> lis
     return [each for each in side_by_side(one, names) if each.starts]
 
 
-def _first(screened: list[Screened], far_off: bool) -> list[Screened]:
+def _first(screened: list[Screened], imitated: bool) -> list[Screened]:
     """
     Return the effects that screening ranks first, best first.
 
-    Where declared parameters are far off, those around each reference in turn: around a fit whose
-    parameters have imitated what is missing, nothing is.
+    Where declared parameters have imitated what is missing, those around each reference in turn:
+    around that fit nothing is missing.
     """
     ranked = sorted(screened, key=lambda each: each.cost)
-    if not far_off:
+    if not imitated:
         return ranked[:BEGUN]
     references = {id(reference): reference for each in screened for *_, reference in each.starts}
     rankings = [sorted(
