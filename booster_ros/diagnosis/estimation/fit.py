@@ -9,6 +9,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Initial
 from booster_ros.diagnosis.estimation.least_squares import CONVERGED, Descent, descend
+from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.system import PositionerParameters
@@ -69,7 +70,7 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
                        np.clip(begin, low + margin, high - margin), low, high, evaluations,
                        tolerance, slopes)
 
-    best = min(map(descended, starts if len(starts) else [problem.start()]),
+    best = min(side_by_side(descended, starts if len(starts) else [problem.start()]),
                key=lambda end: end.cost)
     return fit_at(problem, best.z, best.jacobian)
 

@@ -106,12 +106,13 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
     # every row tells yet more than thinned ones
     near = [one for same in by_observation(thin) for best in [near_best(same, TIE)]
             for one in same if idealised(one, parent) or one in best]
-    found = []
-    for one in near:
-        found.append(one if one.problem.observation is WINDOWS else fitted_to_every_row(
-            task, one.effects, one.problem, one.fit.z))
+
+    def whole(one: Model) -> Model:
         tick()
-    return Neighbours(found, [one for one in thin if one not in near])
+        return one if one.problem.observation is WINDOWS else fitted_to_every_row(
+            task, one.effects, one.problem, one.fit.z)
+
+    return Neighbours(side_by_side(whole, near), [one for one in thin if one not in near])
 
 
 def _far_off(parent: Model) -> bool:
@@ -152,19 +153,23 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
     """Return the models with the effects that get furthest on thinned rows, fitted to these."""
     problem = task.problem(parent.effects)
     found = fit_at(problem, parent.fit.z)
-    steps: list[tuple[Screened, Fit]] = []
     smooth = [name for name in names if not EFFECTS[name].rubs]
-    for one in _first(_screened(problem, found, smooth, tick), imitated):
-        steps.append((one, first_steps(problem, one)))
+
+    def begun(one: Screened) -> tuple[Screened, Fit]:
         tick()
-    ended: list[Model] = []
+        return one, first_steps(problem, one)
+
+    steps = side_by_side(begun, _first(_screened(problem, found, smooth, tick), imitated))
     noticed = found.cost - NOTICEABLE * parent.score.dispersion
-    for one, end in _furthest(steps, noticed)[:BEST]:
-        name, joint = one.effect, one.problem
-        # what had imitated the effect may have gone far: the best begin as given as well
-        starts = [end.z] if ended[1:] else [end.z, nominal(joint, end.z)]
-        ended.append(task.scored((*parent.effects, name), joint, fit(joint, starts)))
+
+    def to_its_end(place: int, one: Screened, end: Fit) -> Model:
         tick()
+        # what had imitated the effect may have gone far: the best begin as given as well
+        starts = [end.z, nominal(one.problem, end.z)] if place < BEST // 2 else [end.z]
+        return task.scored((*parent.effects, one.effect), one.problem, fit(one.problem, starts))
+
+    ended = side_by_side(lambda one: to_its_end(one[0], *one[1]), list(
+        enumerate(_furthest(steps, noticed)[:BEST])))
     # slips are slow to simulate, and nothing calls for them where another effect leaves noise
     if not any(one.reduced_chi2 < NOISE for one in ended):
         for name in (name for name in names if EFFECTS[name].rubs):

@@ -31,11 +31,13 @@ def best_terms(task: Task, root: Model) -> list[Model]:
               and not (task.experiment.quasi_static
                        and one.variable in (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR))]
     begun = _begun(problem, fit_at(problem, root.fit.z), likely)
-    models = []
-    for label in sorted(begun, key=lambda name: begun[name][1].cost)[:BEST]:
+
+    def to_its_end(label: str) -> Model:
         joint, end = begun[label]
-        models.append(fitted_to_every_row(
-            task, (UNNAMED + label,), joint, fit(joint, [end.z]).z))
+        return fitted_to_every_row(task, (UNNAMED + label,), joint, fit(joint, [end.z]).z)
+
+    models = side_by_side(
+        to_its_end, sorted(begun, key=lambda name: begun[name][1].cost)[:BEST])
     order = list(begun)
     return sorted(models, key=lambda one: order.index(one.effects[0].removeprefix(UNNAMED)))
 
@@ -55,10 +57,13 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
             reached[one.label] = reach
     furthest = sorted(reached, key=lambda name: reached[name][0])[:BEGUN]
     last = f' over {term.VARIABLES[term.TIME]}'
-    begun = {}
-    for label in sorted(reached, key=lambda name: name.endswith(last)):
+
+    def first_steps(label: str) -> tuple[Problem, Fit]:
         _, joint, slopes = reached[label]
-        # what a lag does is far from straight: it is tried whatever the reckoning says
-        if label in furthest or joint.base.discrepancy.location == term.EP_CONVERTER_LAG:
-            begun[label] = joint, fit(joint, [joint.start()], FIRST_STEPS, slopes=slopes)
-    return begun
+        return joint, fit(joint, [joint.start()], FIRST_STEPS, slopes=slopes)
+
+    # what a lag does is far from straight: it is tried whatever the reckoning says
+    tried = [label for label in sorted(reached, key=lambda name: name.endswith(last))
+             if label in furthest
+             or reached[label][1].base.discrepancy.location == term.EP_CONVERTER_LAG]
+    return dict(zip(tried, side_by_side(first_steps, tried)))
