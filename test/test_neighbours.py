@@ -8,8 +8,10 @@ from made_task import P, seen, task_of
 import numpy as np
 import pytest
 
+import booster_ros.diagnosis.selection.neighbours as searched
 from booster_ros.diagnosis.selection.neighbours import (
-    BEGUN, _far_off, _first, _furthest, neighbours, refitted)
+    _far_off, _furthest, neighbours, refitted)
+from booster_ros.diagnosis.selection.screening import screen
 
 
 def order(costs, noticed):
@@ -30,19 +32,21 @@ def test_of_steps_that_lost_their_way_screening_tells_the_order_wherever_they_en
                      80.0) == ['gained', 'right', 'idle']
 
 
-def screened(effect, **costs):
-    """Return an effect as screened, by the costs that it reaches around places of these names."""
-    starts = tuple(sorted((cost, None, place) for place, cost in costs.items()))
-    return SimpleNamespace(effect=effect, starts=starts, cost=starts[0][0])
-
-
-def test_around_a_refit_that_has_imitated_what_is_missing_nothing_is():
-    several = [screened(f'idle {k}', refit=10.0 + k, given=900.0 - k) for k in range(2 * BEGUN)]
-    several.append(screened('right', refit=99.0, given=20.0))
-    names = [[one.effect for one in _first(several, imitated)] for imitated in (False, True)]
-    assert [len(one) for one in names] == [BEGUN, BEGUN]
-    assert 'right' not in names[0]
-    assert names[1][:4] == ['idle 0', 'right', 'idle 1', f'idle {2 * BEGUN - 1}']
+def test_around_a_refit_that_has_imitated_what_is_missing_nothing_is(monkeypatch):
+    plant = P._replace(ep_converter=P.ep_converter._replace(gain_loss=0.1))
+    task = task_of(seen(plant), ('ep_gain_loss', 'chamber_leak'))
+    root = refitted(task)
+    places = []
+    monkeypatch.setattr(searched, 'screen', lambda problem, around, name, *rest: places.append(
+        [np.array(one.z) for one in around]) or screen(problem, around, name, *rest))
+    for imitated in (False, True):
+        monkeypatch.setattr(searched, 'leaves_noise', lambda model, said=imitated: said)
+        monkeypatch.setattr(searched, '_far_off', lambda model, said=imitated: said)
+        near = neighbours(task, root, task.names).near
+        assert 'ep_gain_loss' in [one.effects[-1] for one in near]
+        by_refit = [any(np.array_equal(z, root.fit.z) for z in around) for around in places]
+        assert by_refit == [not imitated] * 2
+        places.clear()
 
 
 @pytest.mark.parametrize(('prior', 'said'), [(5.0, False), (18.2, False), (18.4, True)])

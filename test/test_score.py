@@ -133,8 +133,23 @@ def test_channels_count_by_their_rows_and_short_ones_have_no_autocorrelation():
 
 def test_luck_is_what_next_to_no_change_does_to_a_cost_with_steps():
     problem, fit, *_ = linear()
-    problem.cost = lambda z: fit.cost + (60.0 if z[0] > fit.z[0] else 0.0)
+    problem.residuals = lambda z: np.append(fit.residuals, 3.0 * np.ones(4) * (z[0] > fit.z[0]))
     assert score_of(problem, fit, BLOCK_OF_ROW).luck == 0.0  # nothing is left to chance
     problem.experiment.chance = {'chamber_pressure': object()}
     problem.bounds = lambda: (np.full(3, -np.inf), np.full(3, np.inf))
-    assert 5.0 < score_of(problem, fit, BLOCK_OF_ROW).luck < 30.0
+    step = 4.0 * 9.0 * np.log(2.0)  # where draws go over it, half of it is luck
+    assert 0.25 * step < score_of(problem, fit, BLOCK_OF_ROW).luck < 0.5 * step
+
+
+def test_a_burst_counts_by_its_logarithm_where_chance_is_at_work():
+    problem, fit, *_ = linear()
+    fit.residuals[:8] = 100.0
+    sober = score_of(problem, fit, BLOCK_OF_ROW)
+    problem.experiment.chance, problem.residuals = {'valve_position': object()}, lambda z: (
+        fit.residuals)
+    chancy = score_of(problem, fit, BLOCK_OF_ROW)
+    assert sober.cost > 8e4
+    assert chancy.cost == pytest.approx(
+        np.sum(9.0 * np.log1p(fit.residuals[:ROWS]**2 / 9.0)), rel=1e-12)
+    assert chancy.costs.sum() == pytest.approx(chancy.cost)
+    assert chancy.prior == sober.prior

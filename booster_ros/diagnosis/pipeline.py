@@ -28,8 +28,9 @@ from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, w
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
     ChannelError, Diagnosis, FoundEffect, Refitted, Refused, Suspect, errors_of)
-from booster_ros.diagnosis.selection.decide import LARGE, TIE, Comparison, compare, standing
+from booster_ros.diagnosis.selection.decide import TIE, Comparison, compare, standing
 from booster_ros.diagnosis.selection.equivalence import alike
+from booster_ros.diagnosis.selection.score import LARGE
 from booster_ros.diagnosis.selection.stepwise import Progress, Selection, comparison, select
 from booster_ros.diagnosis.selection.task import PLACES, Model, Task, explained, near_best
 from booster_ros.model.catalogue import EFFECTS

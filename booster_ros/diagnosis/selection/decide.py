@@ -27,7 +27,7 @@ from math import log, log1p
 import numpy as np
 
 from booster_ros.diagnosis.estimation.uncertainty import LEVEL
-from booster_ros.diagnosis.selection.score import Score
+from booster_ros.diagnosis.selection.score import LARGE, Score
 
 TIE = -log1p(-LEVEL)
 """Difference of log evidence, or likelihood, up to which two models are not told apart: log 20, as
@@ -41,9 +41,9 @@ NEARLY_ALL = 0.97
 """Share of what is missing that an effect explains if its law may be merely an idealised one: no
 smooth term takes its place, and none is looked for."""
 
-LARGE, MOST = 9.0, 0.8
-"""Reduced chi-square (three times the noise), and share of what was missing: a model that leaves
-more than the first and explains less than the second is a candidate, not a finding."""
+MOST = 0.8
+"""Share of what was missing: a model that leaves LARGE and explains less than this is a candidate,
+not a finding."""
 
 
 @dataclass(frozen=True)

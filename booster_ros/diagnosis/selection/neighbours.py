@@ -12,7 +12,6 @@ The neighbours of a model in a stepwise selection: the models with one effect mo
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-import itertools
 
 import numpy as np
 from scipy.stats import chi2
@@ -30,7 +29,7 @@ from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
     BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.diagnosis.selection.task import (
-    Model, Task, by_observation, idealised, near_best, upstream_task)
+    Model, Task, by_observation, idealised, leaves_noise, near_best, upstream_task)
 from booster_ros.model.catalogue import EFFECTS
 
 Array = np.ndarray
@@ -95,8 +94,9 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
     """Return the models with one effect more than the parent, those near the best on every row."""
     wanted = [name for name in names
               if name not in parent.effects and not redundant(name, parent.effects)]
-    imitated = parent.reduced_chi2 < NOISE and _far_off(parent)
-    if parent.reduced_chi2 < NOISE and not imitated:
+    # with steps in the cost, what is left around a refit tells little of what it has imitated
+    imitated = _far_off(parent) and (leaves_noise(parent) or bool(task.experiment.chance))
+    if leaves_noise(parent) and not imitated:
         begun = _small(task, parent, wanted)
         # what had imitated the effect may have gone far: they begin as given as well
         return Neighbours([
@@ -159,7 +159,7 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
         tick()
         return one, first_steps(problem, one)
 
-    steps = side_by_side(begun, _first(_screened(problem, found, smooth, tick), imitated))
+    steps = side_by_side(begun, _screened(problem, found, smooth, imitated, tick))
     noticed = found.cost - NOTICEABLE * parent.score.dispersion
 
     def to_its_end(place: int, one: Screened, end: Fit) -> Model:
@@ -193,36 +193,24 @@ def _furthest(steps: list[tuple[Screened, Fit]], noticed: float) -> list[tuple[S
     return sorted(steps, key=reached)
 
 
-def _screened(problem: Problem, found: Fit, names: list[str], tick: Tick) -> list[Screened]:
-    """Return the effects that do anything, with their starts."""
+def _screened(problem: Problem, found: Fit, names: list[str], imitated: bool, tick: Tick
+              ) -> list[Screened]:
+    """
+    Return the effects that screening ranks first, with their starts.
+
+    Around a fit that has imitated what is missing nothing is: then around what is declared alone.
+    """
     smooth = problem.observation is ROWS
     around = references(problem, found) if smooth else [reference_at(problem, found)]
+    around = around[1:] if imitated and around[1:] else around
     frequencies = strong_frequencies(problem, found.z)
 
     def one(name: str) -> Screened:
         tick()
         return screen(problem, around, name, frequencies, SIZES if smooth else SIZES[1:2])
 
-    return [each for each in side_by_side(one, names) if each.starts]
-
-
-def _first(screened: list[Screened], imitated: bool) -> list[Screened]:
-    """
-    Return the effects that screening ranks first, best first.
-
-    Where declared parameters have imitated what is missing, those around each reference in turn:
-    around that fit nothing is missing.
-    """
-    ranked = sorted(screened, key=lambda each: each.cost)
-    if not imitated:
-        return ranked[:BEGUN]
-    references = {id(reference): reference for each in screened for *_, reference in each.starts}
-    rankings = [sorted(
-        (each for each in screened if any(other is one for *_, other in each.starts)),
-        key=lambda each: min(cost for cost, _, other in each.starts if other is one))
-        for one in references.values()]
-    in_turn = itertools.chain.from_iterable(itertools.zip_longest(*rankings))
-    return list({each.effect: each for each in in_turn if each is not None}.values())[:BEGUN]
+    return sorted((each for each in side_by_side(one, names) if each.starts),
+                  key=lambda each: each.cost)[:BEGUN]
 
 
 def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:

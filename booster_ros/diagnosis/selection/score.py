@@ -34,6 +34,10 @@ from booster_ros.diagnosis.estimation.problem import DIFFERENCE, Problem
 Array = np.ndarray
 
 
+LARGE = 9.0
+"""Square of a residual, or mean of these, in squares of the noise, from which on it is large."""
+
+
 @dataclass(frozen=True, eq=False)
 class Score:
     """
@@ -66,7 +70,7 @@ class Score:
 def score_of(problem: Problem, fit: Fit, block_of_row: Array) -> Score:
     """Return the score of a fit; `block_of_row` says of each row in which block it is."""
     data = problem.observed
-    residuals, jacobian = fit.residuals[:data], fit.jacobian[:data]
+    residuals, jacobian = _bursts_bounded(problem, fit.residuals[:data]), fit.jacobian[:data]
     low, high = problem.bounds()
     inside = (fit.z - low > 1e-9) & (high - fit.z > 1e-9)
     jacobian = jacobian[:, inside]
@@ -75,15 +79,31 @@ def score_of(problem: Problem, fit: Fit, block_of_row: Array) -> Score:
     label = np.concatenate([block_of_row[rows] for rows in problem.first_rows])
     costs = np.bincount(label, residuals**2)
     series = np.split(residuals, np.cumsum([len(rows) for rows in problem.first_rows])[:-1])
-    return Score(float(residuals @ residuals), fit.cost - float(residuals @ residuals), data,
+    return Score(float(residuals @ residuals), float(np.sum(fit.residuals[data:]**2)), data,
                  dispersion(series), costs, jacobian.T @ jacobian, 1.0 / deviation**2,
                  _luck_of(problem, fit))
+
+
+def _bursts_bounded(problem: Problem, residuals: Array) -> Array:
+    """
+    Return residuals whose squares grow by their logarithm from LARGE on, where chance is at work.
+
+    One pulse more or less before a move is a burst of large residuals in it, and no evidence
+    (Cauchy's loss).
+    """
+    if not problem.experiment.chance:
+        return residuals
+    return np.asarray(np.sign(residuals) * np.sqrt(LARGE * np.log1p(residuals**2 / LARGE)))
 
 
 def _luck_of(problem: Problem, fit: Fit) -> float:
     """Return the root mean square of what next to no change of z changes of half the cost."""
     if not problem.experiment.chance:
         return 0.0
+
+    def cost(z: Array) -> float:
+        return float(np.sum(_bursts_bounded(problem, problem.residuals(z))**2))
+
     near = fit.z + DIFFERENCE * np.random.default_rng(1).standard_normal((FEWEST, len(fit.z)))
-    costs = side_by_side(problem.cost, np.clip(near, *problem.bounds()))
-    return 0.5 * float(np.sqrt(np.mean((np.array(costs) - fit.cost)**2)))
+    here, *costs = side_by_side(cost, [fit.z, *np.clip(near, *problem.bounds())])
+    return 0.5 * float(np.sqrt(np.mean((np.array(costs) - here)**2)))

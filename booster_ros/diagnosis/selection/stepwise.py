@@ -22,10 +22,11 @@ import itertools
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import (
-    NEARLY_ALL, NOISE, TIE, Comparison, TraceStep, compare, why_not)
+    NEARLY_ALL, TIE, Comparison, TraceStep, compare, why_not)
 from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
 from booster_ros.diagnosis.selection.task import (
-    Model, Task, by_observation, explained, idealised, near_best, upstream_task)
+    Model, Task, by_observation, explained, idealised, leaves_noise, near_best,
+    upstream_task)
 from booster_ros.diagnosis.selection.terms import best_terms
 from booster_ros.model.catalogue import EFFECTS
 
@@ -207,11 +208,6 @@ def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
         if not trace.accepts(task, chosen, smaller, [], len(task.names)):
             chosen = smaller
     return chosen
-
-
-def leaves_noise(model: Model) -> bool:
-    """Tell whether what a model leaves of what is observed may be noise."""
-    return model.reduced_chi2 < NOISE or model.score.cost < NOISE * model.score.observed
 
 
 def _leaves_structure(chosen: Model, root: Model) -> bool:

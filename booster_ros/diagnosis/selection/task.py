@@ -17,7 +17,7 @@ from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effects
 from booster_ros.diagnosis.hypotheses.subsystem import THINNING as UPSTREAM_THINNING
 from booster_ros.diagnosis.hypotheses.subsystem import free_upstream, is_upstream, upstream
-from booster_ros.diagnosis.selection.decide import NEARLY_ALL
+from booster_ros.diagnosis.selection.decide import NEARLY_ALL, NOISE
 from booster_ros.diagnosis.selection.score import Score, score_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.system import PositionerParameters
@@ -122,6 +122,11 @@ def explained(chosen: Model, root: Model) -> float:
     """Return the share of what the declared model leaves beyond noise that the other explains."""
     missing = root.reduced_chi2 - 1.0
     return (root.reduced_chi2 - chosen.reduced_chi2) / missing if missing > 0.0 else 0.0
+
+
+def leaves_noise(model: Model) -> bool:
+    """Tell whether what a model leaves of what is observed may be noise."""
+    return model.reduced_chi2 < NOISE or model.score.cost < NOISE * model.score.observed
 
 
 def idealised(model: Model, root: Model) -> bool:
