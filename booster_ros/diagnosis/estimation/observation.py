@@ -55,9 +55,7 @@ class Windows:
     chance: Chance = NO_CHANCE
 
     @classmethod
-    def of(
-        cls, time: Array, readings: Array, chance: Chance = NO_CHANCE
-    ) -> 'Windows':
+    def of(cls, time: Array, readings: Array, chance: Chance = NO_CHANCE) -> 'Windows':
         """Return the windows of these rows."""
         _, first, window, count = np.unique(
             np.floor(time / WINDOW), return_index=True, return_inverse=True, return_counts=True)
@@ -72,16 +70,20 @@ class Windows:
         """
         if not self.chance.share:
             return residuals
-        carried, gain, deviation = self._filter
+        carried, gain, deviation, bands = self._filter
         # what is expected after each row, m_k = (1 - gain) carried m_(k-1) + gain r_k, all at once
-        bands = np.array([np.ones(len(gain)), np.append(-((1.0 - gain) * carried)[1:], 0.0)])
         expected = solve_banded((1, 0), bands, gain * residuals)
         foreseen = carried * np.append(0.0, expected[:-1])
         return np.asarray((residuals - foreseen) / deviation)
 
     @cached_property
-    def _filter(self) -> tuple[Array, Array, Array]:
-        """Return of each row what carries over to it, the filter's gain, and what it foresees."""
+    def _filter(self) -> tuple[Array, Array, Array, Array]:
+        """
+        Return the Kalman filter of these rows, which hangs on their times alone.
+
+        Of each row what carries over to it, the gain, and the standard deviation of what comes
+        unforeseen, each of shape (rows,), and the bands of the recursion, of shape (2, rows).
+        """
         share = self.chance.share
         carried = np.exp(-np.diff(self.time, prepend=self.time[:1]) / self.chance.seconds)
         gain, variance = np.empty((2, len(carried)))
@@ -91,7 +93,8 @@ class Windows:
             variance[k] = unsure + 1.0 - share
             gain[k] = unsure / variance[k]
             unsure *= 1.0 - gain[k]
-        return carried, gain, np.sqrt(variance)
+        bands = np.array([np.ones(len(gain)), np.append(-((1.0 - gain) * carried)[1:], 0.0)])
+        return carried, gain, np.sqrt(variance), bands
 
     def means(self, residuals: Array) -> Array:
         """Return the mean of each window in standard deviations of its noise, shape (windows,)."""

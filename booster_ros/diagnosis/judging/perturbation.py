@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import DriveNoise, Experiment, Initial
-from booster_ros.diagnosis.prepare.feedback import apart, runs
+from booster_ros.diagnosis.prepare.feedback import apart
+from booster_ros.diagnosis.prepare.timing import drawn_runs
 from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.system import PositionerParameters
 
@@ -30,7 +31,7 @@ it is said: it then adds 4 % to the error."""
 def differences(experiment: Experiment, parameters: PositionerParameters, initial: Initial
                 ) -> dict[str, float]:
     """Return by how much two runs with nearly the same drives differ: RMS of each channel, SI."""
-    return apart(runs(_disturbed, experiment, parameters, initial))
+    return apart(drawn_runs(_disturbed, experiment, parameters, initial))
 
 
 def chance(experiment: Experiment, parameters: PositionerParameters, initial: Initial

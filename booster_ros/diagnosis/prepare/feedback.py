@@ -9,14 +9,13 @@ right in every parameter still leaves that of a record. It is noise which stays 
 seconds.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Chance, Experiment, Initial
+from booster_ros.diagnosis.data.experiment import Chance, Experiment
 from booster_ros.diagnosis.estimation.dispersion import autocorrelation_time
-from booster_ros.diagnosis.prepare.timing import DRAWS
+from booster_ros.diagnosis.prepare.timing import drawn_runs
 from booster_ros.model.position_controller import FINEST, PULSES
 from booster_ros.model.system import PositionerParameters
 
@@ -35,7 +34,7 @@ def with_noise_of_feedback(experiment: Experiment, declared: PositionerParameter
         # to the controller an error of the position is one of the set point
         return replace(one, current=one.current + level * rng.standard_normal(len(one.current)))
 
-    several = runs(seen, experiment, declared, experiment.initial)
+    several = drawn_runs(seen, experiment, declared, experiment.initial)
     added = apart(several)
     noise = {name: float(np.hypot(one, added[name])) for name, one in experiment.noise.items()}
     usual = {name: np.mean([run[name] for run in several], axis=0) for name in noise}
@@ -48,13 +47,6 @@ def _carried_over(time: Array, departures: list[Array]) -> float:
     """Return for how long, s, departures carry over, as those of a first-order process do."""
     rows = float(np.mean([autocorrelation_time(one) for one in departures]))
     return 0.5 * rows * float(np.median(np.diff(time)))
-
-
-def runs(drawn: Callable[[Experiment, np.random.Generator], Experiment], experiment: Experiment,
-         parameters: PositionerParameters, initial: Initial) -> list[dict[str, Array]]:
-    """Return what the model predicts for several drawn experiments."""
-    rng = np.random.default_rng(1)
-    return [drawn(experiment, rng).predict(parameters, initial) for _ in range(DRAWS)]
 
 
 def apart(several: list[dict[str, Array]]) -> dict[str, float]:

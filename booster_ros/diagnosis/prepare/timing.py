@@ -19,11 +19,12 @@ Of a command that moves all the time nothing is told so: a valve that is quicker
 ahead of that too. Before a jump out of rest no valve moves.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.model.system import PositionerParameters
 
@@ -74,13 +75,21 @@ def with_late_commands(experiment: Experiment, rng: np.random.Generator) -> Expe
         rng.random(len(before)) < late, before, experiment.current))
 
 
+def drawn_runs(
+    drawn: Callable[[Experiment, np.random.Generator], Experiment], experiment: Experiment,
+    parameters: PositionerParameters, initial: Initial
+) -> list[dict[str, Array]]:
+    """Return what the model predicts for several drawn experiments."""
+    rng = np.random.default_rng(1)
+    return [drawn(experiment, rng).predict(parameters, initial) for _ in range(DRAWS)]
+
+
 def with_noise_of_timing(experiment: Experiment, declared: PositionerParameters) -> Experiment:
     """Return the experiment with the noise of each channel at least what late commands leave."""
-    rng = np.random.default_rng(1)
     taken = experiment.predict(declared)
-    runs = [with_late_commands(experiment, rng).predict(declared) for _ in range(DRAWS)]
+    late = drawn_runs(with_late_commands, experiment, declared, experiment.initial)
     return replace(experiment, noise={
-        name: max(level, float(np.sqrt(np.mean([(run[name] - taken[name])**2 for run in runs]))))
+        name: max(level, float(np.sqrt(np.mean([(run[name] - taken[name])**2 for run in late]))))
         for name, level in experiment.noise.items()})
 
 

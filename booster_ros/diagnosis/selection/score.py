@@ -101,9 +101,10 @@ def _luck_of(problem: Problem, fit: Fit) -> float:
     if not problem.experiment.chance:
         return 0.0
 
-    def cost(z: Array) -> float:
-        return float(np.sum(_bursts_bounded(problem, problem.residuals(z))**2))
+    def cost(residuals: Array) -> float:
+        return float(np.sum(_bursts_bounded(problem, residuals)**2))
 
     near = fit.z + DIFFERENCE * np.random.default_rng(1).standard_normal((FEWEST, len(fit.z)))
-    here, *costs = side_by_side(cost, [fit.z, *np.clip(near, *problem.bounds())])
+    here = cost(fit.residuals)
+    costs = side_by_side(lambda z: cost(problem.residuals(z)), np.clip(near, *problem.bounds()))
     return 0.5 * float(np.sqrt(np.mean((np.array(costs) - here)**2)))
