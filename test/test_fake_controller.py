@@ -17,6 +17,9 @@ from positioner_here import context_here
 import positioner_process
 from positioner_process import with_parameters
 import pytest
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import GetParameters
+import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros_client import RosClient
@@ -27,7 +30,7 @@ from std_msgs.msg import Float64, String
 
 from booster_ros.model.parameters import ParameterError, from_values
 from booster_ros.model.simulation import Plant
-from booster_ros.nodes.current_limits import CurrentLimits
+from booster_ros.nodes.current_limits import AGAIN, CurrentLimits
 from booster_ros.nodes.fake_controller import FakeController
 from booster_ros.nodes.progress import Progress
 from booster_ros.nodes.silence import Silence
@@ -544,6 +547,39 @@ def test_each_tenth_of_a_profile_is_told_once(monkeypatch):
     for tick in range(4401):
         progress.show(tick / 100)
     assert [line.split()[-1] for line in told] == [f'{share}%' for share in range(10, 101, 10)]
+
+
+def test_a_positioner_that_does_not_answer_is_asked_again():
+    """Its answer to the first question is lost if it has not yet found who asks."""
+    asked: list[str] = []
+
+    def answer(request: GetParameters.Request, response: GetParameters.Response
+               ) -> GetParameters.Response:
+        asked.extend(request.names)
+        response.values = [ParameterValue(type=8, double_array_value=[0.0, 2e-3])]
+        return response
+
+    with context_here():
+        node = rclpy.create_node('deaf', start_parameter_services=False)
+        client = rclpy.create_node('asking')
+        limits = CurrentLimits(client)
+        try:
+            node.create_service(GetParameters, '/deaf/get_parameters', answer)
+            end = time.monotonic() + PATIENCE
+            begun = time.monotonic()
+            while len(asked) < 2 and time.monotonic() < end:
+                limits.ask('/deaf', time.monotonic())
+                time.sleep(0.02)
+                if time.monotonic() > begun + 2.0 * AGAIN:  # deaf for as long as that
+                    rclpy.spin_once(node, timeout_sec=0.0)
+            while not limits.complaint(3e-3) and time.monotonic() < end:
+                rclpy.spin_once(client, timeout_sec=0.05)
+            assert len(asked) >= 2
+            assert limits.complaint(3e-3).startswith('0.003 A is outside the current_limits of ')
+            assert not limits.awaited(time.monotonic())
+        finally:
+            client.destroy_node()
+            node.destroy_node()
 
 
 @pytest.mark.parametrize('value', [None, 3, 'high', [0.0], [0.0, 1.0, 2.0], ['a', 'b'], True])

@@ -19,6 +19,9 @@ LIMITS = 'current_limits'
 PATIENCE = 3.0
 """Real time, s, for which the answer of a node that is asked for its limits is awaited."""
 
+AGAIN = 0.3
+"""Real time, s, after which a node that has not answered is asked again."""
+
 
 class CurrentLimits:
     """
@@ -31,22 +34,23 @@ class CurrentLimits:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._clients: dict[str, Client] = {}
-        self._unasked: set[str] = set()
+        self._asked_at: dict[str, float] = {}
         self._awaited_since: dict[str, float] = {}
         self._limits: dict[str, tuple[float, float]] = {}
 
     def ask(self, name: str, now: float) -> None:
         """
-        Ask a node for its limits, once; call this repeatedly, as its service may be found later.
+        Ask a node for its limits until it answers; call this repeatedly.
 
-        `now` is the real time, s.
+        Its service may be found later, and an answer is lost where the node has not yet found who
+        asks. `now` is the real time, s.
         """
         if name not in self._clients:
             self._clients[name] = self._node.create_client(GetParameters, f'{name}/get_parameters')
-            self._unasked.add(name)
             self._awaited_since[name] = now
-        elif name in self._unasked and self._clients[name].service_is_ready():
-            self._unasked.remove(name)
+        elif (name in self._awaited_since and self._clients[name].service_is_ready()
+              and now - self._asked_at.get(name, -AGAIN) >= AGAIN):
+            self._asked_at[name] = now
             answer = self._clients[name].call_async(GetParameters.Request(names=[LIMITS]))
             answer.add_done_callback(partial(self._on_answer, name))
 
@@ -69,7 +73,7 @@ class CurrentLimits:
         return ''
 
     def _on_answer(self, name: str, answer: Future) -> None:
-        del self._awaited_since[name]
+        self._awaited_since.pop(name, None)
         response = answer.result()
         if response is not None and response.values:
             self.take(name, parameter_value_to_python(response.values[0]))
