@@ -3,13 +3,15 @@
 """The hidden plant with its positioner: three firmwares hold the valve, and each effect shows."""
 
 from collections import Counter
+from dataclasses import replace
 import json
 
 from hidden_plant import loop
 from hidden_plant.effects import put_in
-from hidden_plant.loop import EFFECTS, FIRMWARES, LoopCase, declared_yaml, drawn, write_case
+from hidden_plant.loop import (
+    EFFECTS, FIRMWARES, LoopCase, declared_yaml, drawn, shown, visibility, write_case)
 from hidden_plant.plant import COLUMNS, SAMPLE_TIME, Valve, run
-from hidden_plant.positioner import PIEZO
+from hidden_plant.positioner import INTEGRATING, PIEZO
 from hidden_plant.sensors import POSITION_NOISE, PRESSURE_NOISE, Sensors, sensed
 import numpy as np
 import pytest
@@ -53,6 +55,18 @@ def test_each_effect_shows_in_a_loop(kind, held):
         moved = sensed(sensors, run(valve, ASKED, 0.0))
         pressure, position = (np.std(one - other) for one, other in zip(moved, still, strict=True))
         assert max(pressure / PRESSURE_NOISE, position / POSITION_NOISE) > 2.0, key
+
+
+def test_a_leak_that_a_loop_makes_up_for_is_enlarged_until_it_shows(monkeypatch):
+    monkeypatch.setattr(loop, 'SECONDS', {'fit': 20.0, 'val': 5.0})
+    drawn_so = LoopCase('leak', INTEGRATING, (('chamber_leak', 1e-8),), seed=4)
+    case = shown(drawn_so)
+    (_, size), = case.effects
+    smaller = replace(case, effects=(('chamber_leak', size / loop.ENLARGED),))
+    assert visibility(drawn_so) <= visibility(smaller) < loop.MEDIUM <= visibility(case)
+    assert shown(case) is case
+    clean = replace(case, effects=())
+    assert shown(clean) is clean
 
 
 def test_a_drawn_set_has_each_firmware_clean_and_with_nine_effects():

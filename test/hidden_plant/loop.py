@@ -1,9 +1,16 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Cases in closed loop: a positioner of one of three firmwares holds the valve at set points."""
+"""
+Cases in closed loop: a positioner of one of three firmwares holds the valve at set points.
+
+A loop makes up for what goes on below it. So a size that is drawn is enlarged until the record
+shows the effect as much as those of medium size show in open loop: against the same plant without
+the effect, one of its channels differs by MEDIUM times its noise and what the positioner leaves to
+chance there (RMS).
+"""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import json
 from pathlib import Path
 
@@ -24,6 +31,10 @@ FIRMWARES = {
     INTEGRATING: Positioner(INTEGRATING, dead_zone=1.6e-5),
     PIEZO: Positioner(PIEZO, gain=0.005, rate_time=0.2, dead_zone=2e-5, shortest=2e-4),
 }
+MEDIUM = 10.0
+ENLARGED = 1.5  # from one size that is tried to the next
+SHARES = {'detuned', 'weak_coil'}
+SMALLEST_ADC = 16e-3 / 2**14  # m: where a pulse ends hangs on as much as that
 TUNED_WITHIN = 0.05  # of the declared gain, one standard deviation
 
 EFFECTS: dict[str, Effect] = {
@@ -92,22 +103,62 @@ def set_points(generator: np.random.Generator, seconds: float) -> np.ndarray:
     return travel * np.repeat(np.concatenate(pieces)[:rows], EVERY)
 
 
+def play(case: LoopCase, part: str, shaken: float = 0.0) -> tuple[np.ndarray, ...]:
+    """
+    Return set points, and what noiseless sensors show of pressure and position: Pa and m.
+
+    `part` is 'fit' or 'val'; set points are shaken by so much, m, from sample to sample.
+    """
+    number = list(SECONDS).index(part)
+    asked = set_points(np.random.default_rng([case.seed, 11, number]), SECONDS[part])
+    before = np.full(round(WARM_UP_SECONDS / SAMPLE_TIME), asked[0])
+    before[:len(before) // 4] -= 0.05 * Valve().stem.travel
+    course = np.concatenate([before, asked])
+    draws = np.random.default_rng([case.seed, 13])
+    valve, sensors = case.plant()
+    rows = run(valve, course + shaken * draws.standard_normal(len(course)), -WARM_UP_SECONDS)
+    return asked[::EVERY], *(channel[len(before)::EVERY] for channel in sensed(sensors, rows))
+
+
+def visibility(case: LoopCase) -> float:
+    """Return how much the fit record shows of the effects, in multiples of noise and chance."""
+    clean = replace(case, effects=())
+    still, seen, shaken = (play(one, 'fit', by)[1:] for one, by in (
+        (clean, 0.0), (case, 0.0), (clean, SMALLEST_ADC)))
+    return max(_rms(one - other) / float(np.hypot(noise, _rms(chance - other)))
+               for one, other, chance, noise in zip(
+                   seen, still, shaken, (PRESSURE_NOISE, POSITION_NOISE), strict=True))
+
+
+def shown(case: LoopCase) -> LoopCase:
+    """
+    Return the case with its effects enlarged until the fit record shows them.
+
+    Shares of what there is, as those of a gain, stay below one.
+    """
+    while case.effects and visibility(case) < MEDIUM:
+        larger = tuple((key, size * ENLARGED) for key, size in case.effects)
+        if any(key in SHARES and size >= 1.0 for key, size in larger):
+            break
+        case = replace(case, effects=larger)
+    return case
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def write_case(case: LoopCase, folder: Path) -> dict[str, object]:
     """Write the three files of a case and return its entry in key.json."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f'{case.name}.yaml').write_text(declared_yaml(case.kind))
-    valve, sensors = case.plant()
-    for part, (label, seconds) in enumerate(SECONDS.items()):
-        asked = set_points(np.random.default_rng([case.seed, 11, part]), seconds)
-        before = np.full(round(WARM_UP_SECONDS / SAMPLE_TIME), asked[0])
-        before[:len(before) // 4] -= 0.05 * Valve().stem.travel
-        rows = run(valve, np.concatenate([before, asked]), -WARM_UP_SECONDS)
-        shown = (channel[len(before)::EVERY] for channel in sensed(sensors, rows))
-        draws = np.random.default_rng([case.seed, 12, part])
+    for number, part in enumerate(SECONDS):
+        asked, *shown = play(case, part)
+        draws = np.random.default_rng([case.seed, 12, number])
         pressure, position = recorded(*shown, draws)
         np.savetxt(
-            folder / f'{case.name}_{label}.csv',
-            np.column_stack([np.arange(len(position)) * EVERY * SAMPLE_TIME, asked[::EVERY],
+            folder / f'{case.name}_{part}.csv',
+            np.column_stack([np.arange(len(position)) * EVERY * SAMPLE_TIME, asked,
                              pressure, position]),
             fmt=('%.2f', '%.7f', '%.0f', '%.6f'), delimiter=',', comments='',
             header='time,set_point,chamber_pressure,valve_position')
@@ -124,13 +175,17 @@ def write_cases(cases: Sequence[LoopCase], folder: Path) -> Iterator[str]:
     """Write a folder of cases and its key.json; yield each name when its files are there."""
     key = {}
     for case in cases:
-        key[case.name] = write_case(case, folder)
+        key[case.name] = write_case(shown(case), folder)
         (folder / 'key.json').write_text(json.dumps(key, indent=1) + '\n')
         yield case.name
 
 
 def drawn(seed: int) -> list[LoopCase]:
-    """Return 30 cases: each firmware clean and with nine of EFFECTS, of drawn size, shuffled."""
+    """
+    Return 30 cases: each firmware clean and with nine of EFFECTS, of drawn size, shuffled.
+
+    Their sizes are those of open loop: see `shown`.
+    """
     generator = np.random.default_rng([seed, 98])
     cases = []
     for kind in FIRMWARES:

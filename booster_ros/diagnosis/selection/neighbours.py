@@ -6,7 +6,8 @@ The neighbours of a model in a stepwise selection: the models with one effect mo
 1. What all but noise explains already, as it is declared, may lack a small effect only: a score
    test on every row tells which promise enough, and these are fitted.
 2. Else, screen every effect on thinned rows, take the first steps of a fit from where screening
-   leads, and fit those that get furthest to their end.
+   leads, and fit those that get furthest to their end; where none of them leaves noise, the others
+   as well.
 3. Fit those not told apart from the best to every row, and score them there.
 """
 
@@ -160,21 +161,28 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
         return one, first_steps(problem, one)
 
     steps = side_by_side(begun, _screened(problem, found, smooth, imitated, tick))
-    noticed = found.cost - NOTICEABLE * parent.score.dispersion
+    order = list(enumerate(_furthest(
+        steps, found.cost - NOTICEABLE * parent.score.dispersion)))
 
     def to_its_end(place: int, one: Screened, end: Fit) -> Model:
         tick()
         # what had imitated the effect may have gone far: the best begin as given as well
-        starts = [end.z, nominal(one.problem, end.z)] if place < BEST // 2 else [end.z]
+        as_given = place < BEST // 2 or bool(task.experiment.chance)
+        starts = [end.z, nominal(one.problem, end.z)] if as_given else [end.z]
         return task.scored((*parent.effects, one.effect), one.problem, fit(one.problem, starts))
 
-    ended = side_by_side(lambda one: to_its_end(one[0], *one[1]), list(
-        enumerate(_furthest(steps, noticed)[:BEST])))
+    def all_to_their_end(some: list[tuple[int, tuple[Screened, Fit]]]) -> list[Model]:
+        return side_by_side(lambda one: to_its_end(one[0], *one[1]), some)
+
+    ended = all_to_their_end(order[:BEST])
     # slips are slow to simulate, and nothing calls for them where another effect leaves noise
     if not any(one.reduced_chi2 < NOISE for one in ended):
         for name in (name for name in names if EFFECTS[name].rubs):
             ended += _with_friction(task, parent, name)
             tick()
+    # first steps say little where an effect bends what it acts on, as a limit of speed does
+    if not any(leaves_noise(one) or idealised(one, parent) for one in ended):
+        ended += all_to_their_end(order[BEST:])
     return ended
 
 
