@@ -105,6 +105,14 @@ def test_a_page_says_what_was_dropped_how_it_was_split_and_what_scaling_hides(ma
     assert 'leaves every pressure and position unchanged' in page.text
 
 
+def test_a_page_says_what_chance_changes_where_it_does():
+    found = friction_found()
+    effect, = found.effects
+    lucky = replace(found, effects=(replace(effect, evidence=effect.evidence | {'luck': 12.5}),))
+    assert 'Chance alone changes it by 12.5' in Page(html_page(lucky, FROM)).text
+    assert 'Chance alone' not in Page(html_page(found, FROM)).text
+
+
 def test_the_page_shows_suspects_intervals_and_what_is_not_told_apart():
     page = Page(made_page('effect'))
     assert '41 times the squared error of the choice' in page.texts

@@ -67,7 +67,7 @@ def test_json_writes_null_for_what_is_no_number():
 
 
 def test_each_step_of_the_selection_is_written_with_its_figures():
-    step = TraceStep(('chamber_leak',), (), 1.02, Comparison(812.5, 790.25, 31.5, 700.0, 1.25),
+    step = TraceStep(('chamber_leak',), (), 1.02, Comparison(812.5, 790.25, 31.5, 700.0, 1.25, 2.5),
                      'accepted')
     last = TraceStep(('chamber_leak', 'dead_time'), ('chamber_leak',), 1.01,
                      Comparison(-2.5, float('nan'), 0.5, -3.0, 1.25),
@@ -75,7 +75,8 @@ def test_each_step_of_the_selection_is_written_with_its_figures():
     report = json.loads(json_text(replace(nothing_found(), trace=(step, last)), FROM))
     assert report['trace'][0] == {
         'effects': ['chamber_leak'], 'against': [], 'reduced_chi2': 1.02, 'log_evidence': 812.5,
-        'gain': 790.25, 'gain_standard_error': 31.5, 'dispersion': 1.25, 'outcome': 'accepted'}
+        'gain': 790.25, 'gain_standard_error': 31.5, 'dispersion': 1.25, 'luck': 2.5,
+        'outcome': 'accepted'}
     assert report['trace'][1]['gain'] is None
     assert report['trace'][1]['against'] == ['chamber_leak']
     assert json.loads(json_text(nothing_found(), FROM))['trace'] == []

@@ -219,6 +219,9 @@ def _evidence(effect: FoundEffect) -> str:
         text += (f' The logarithm of the evidence rises by {number(facts["log_evidence"])}, that '
                  f'of the likelihood by {number(facts["gain"])} ± '
                  f'{number(facts["gain_standard_error"])} (standard error over blocks).')
+    if facts.get('luck'):
+        text += (f' Chance alone changes it by {number(facts["luck"])}, as in a loop that ends in '
+                 'its dead zone on one side or the other: so much more had to be gained.')
     return paragraph(text)
 
 

@@ -66,7 +66,8 @@ class Comparison:
     def figures(self) -> dict[str, float]:
         """Return what reports say of it."""
         return {'log_evidence': self.log_evidence, 'gain': self.gain,
-                'gain_standard_error': self.gain_standard_error, 'dispersion': self.dispersion}
+                'gain_standard_error': self.gain_standard_error, 'dispersion': self.dispersion,
+                'luck': self.luck}
 
 
 @dataclass(frozen=True)
