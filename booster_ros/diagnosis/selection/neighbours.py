@@ -166,9 +166,12 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
 
     def to_its_end(place: int, one: Screened, end: Fit) -> Model:
         tick()
+        starts = [end.z]
         # what had imitated the effect may have gone far: the best begin as given as well
-        as_given = place < BEST // 2 or bool(task.experiment.chance)
-        starts = [end.z, nominal(one.problem, end.z)] if as_given else [end.z]
+        if place < BEST // 2:
+            starts.append(nominal(one.problem, end.z))
+        if task.experiment.chance:  # over steps in the cost first steps may have lost their way
+            starts += [nominal(one.problem, begin) for _, begin, _ in one.starts]
         return task.scored((*parent.effects, one.effect), one.problem, fit(one.problem, starts))
 
     def all_to_their_end(some: list[tuple[int, tuple[Screened, Fit]]]) -> list[Model]:
