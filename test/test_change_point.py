@@ -62,21 +62,16 @@ def test_a_leak_that_opens_is_told_from_when_it_opened():
 
 
 @pytest.mark.campaign
-def test_a_supply_that_falls_is_told_by_how_much():
+def test_where_a_supply_falls_the_record_is_cut_and_nothing_is_missing_since():
     found = diagnosed(columns_of(('supply_falls', 8e3)))
     assert found.change.time == pytest.approx(AT, abs=0.5)
-    assert found.verdict == 'unknown'
-    (effect,) = found.effects
-    assert effect.location == 'supply'
-    likeliest = found.change.moved[0]
-    assert likeliest.name == 'supply.pressure'
-    assert likeliest.after - likeliest.before == pytest.approx(-8e3, rel=0.1)
-    assert effect.confused_with == tuple(one.name for one in found.change.moved[1:])
+    assert found.change.cut
+    assert found.verdict == 'none'
     assert meets(found)
 
 
 @pytest.mark.campaign
-def test_a_sensor_that_dies_is_no_parameter_that_changed():
+def test_a_sensor_that_dies_is_said_to_be_silent():
     columns = columns_of()
     columns['valve_position'] = np.where(
         columns['time'] >= AT, -1e-3, columns['valve_position'])
@@ -84,7 +79,6 @@ def test_a_sensor_that_dies_is_no_parameter_that_changed():
     assert found.change.time == pytest.approx(AT, abs=0.1)
     assert found.change.cut
     assert found.change.silent == ('valve_position',)
-    assert found.change.moved == ()
     assert found.verdict == 'unknown'
     assert [(one.location, one.confused_with) for one in found.effects] == [('sensor', ())]
     assert found.experiment.channels == ('chamber_pressure',)
@@ -92,10 +86,9 @@ def test_a_sensor_that_dies_is_no_parameter_that_changed():
     title, sentences = verdict_title(found), ' '.join(verdict_sentences(found))
     assert re.fullmatch(r'From 20(\.0\d)? s on the valve position stands still', title)
     assert 'the sensor is dead or cut off, or the valve sticks fast' in sentences
-    assert 'enough for both parts' not in sentences
 
 
-def test_no_parameter_has_changed_where_what_came_after_is_met_as_before(monkeypatch):
+def test_what_came_after_is_diagnosed_by_itself(monkeypatch):
     columns = knocked(3e-4, AT)
     clean = columns_of()
     after = {name: values[clean['time'] >= AT] for name, values in clean.items()}
@@ -103,7 +96,6 @@ def test_no_parameter_has_changed_where_what_came_after_is_met_as_before(monkeyp
     monkeypatch.setattr(change_point, '_later', lambda *_: later)
     found = since_change(diagnosis_of(columns, 'none'), record_of(columns), diagnose)
     assert found.change.cut
-    assert found.change.moved == ()
     assert found.verdict == 'none'
 
 
@@ -146,5 +138,4 @@ def test_a_diagnosis_of_the_rest_has_to_leave_half_and_may_still_leave_something
     found = since_change(whole, record_of(columns), diagnose)
     assert found.change.cut is cut
     assert found.change.time == pytest.approx(AT, abs=0.3)
-    assert found.change.moved == ()  # more than noise is left: no declared parameter is all
     assert found.verdict == 'none'

@@ -144,10 +144,12 @@ def test_an_outcome_is_read_from_a_report_and_kept(tmp_path, name, kind):
         read_outcomes(tmp_path)
 
 
-def test_a_change_on_the_way_is_told_by_what_changed():
+def test_a_change_on_the_way_is_told_where_nothing_is_missing_since():
     report = json.loads(json_text(MADE['none'](), FROM))
-    change = {'silent': [], 'moved': [{'name': 'supply.pressure'}]}
-    assert answer_of({**report, 'verdict': 'unknown', 'change': change})['kind'] == 'changed'
+    change = {'silent': [], 'cut': True}
+    assert answer_of({**report, 'change': change})['kind'] == 'changed'
+    assert answer_of({**report, 'change': {**change, 'cut': False}})['kind'] == 'none'
+    assert answer_of({**report, 'verdict': 'effect', 'change': change})['kind'] == 'effect'
     change['silent'] = ['valve_position']
     assert answer_of({**report, 'verdict': 'unknown', 'change': change})['kind'] == 'silent'
 

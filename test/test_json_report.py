@@ -32,7 +32,7 @@ def test_json_holds_what_others_rely_on(diagnosis):
                 'unit': error.unit, 'declared': error.declared, 'before': error.before,
                 'after': error.after, 'noise': error.noise,
                 'left_open': None if math.isnan(error.left_open) else error.left_open,
-                'unforeseen': None, 'mostly': {}}
+                'unforeseen': None}
     for effect, found in zip(report['effects'], diagnosis.effects, strict=True):
         assert effect['name'] == found.name
         assert effect['location'] == found.location
@@ -58,12 +58,10 @@ def test_json_holds_what_others_rely_on(diagnosis):
 def test_json_writes_null_for_what_is_no_number():
     diagnosis = replace(nothing_found(), validation={
         'chamber_pressure': ChannelError(
-            'Pa', 1.0, float('nan'), float('inf'), 2.0, 3.0, 2.5,
-            {'booster.max_area': 1e-6, 'supply.pressure': float('nan')})})
+            'Pa', 1.0, float('nan'), float('inf'), 2.0, 3.0, 2.5)})
     error = json.loads(json_text(diagnosis, FROM))['validation']['chamber_pressure']
     assert error == {'unit': 'Pa', 'declared': 1.0, 'before': None, 'after': None, 'noise': 2.0,
-                     'left_open': 3.0, 'unforeseen': 2.5,
-                     'mostly': {'booster.max_area': 1e-6, 'supply.pressure': None}}
+                     'left_open': 3.0, 'unforeseen': 2.5}
 
 
 def test_each_step_of_the_selection_is_written_with_its_figures():

@@ -71,7 +71,7 @@ def test_a_test_set_missed_by_what_the_record_leaves_open_calls_for_nothing():
         for name, error in diagnosis.held_out.items()})
     text = ' '.join([verdict_title(diagnosis), *verdict_sentences(diagnosis)])
     assert 'this record leaves a part of the model open' in text
-    assert 'need be no sign of anything missing: a model that meets the fitted part' in text
+    assert 'need be no sign of anything missing: models that meet the fitted part' in text
     assert 'more than noise' not in text
     more = replace(diagnosis, held_out={name: replace(error, unforeseen=error.after)
                                         for name, error in diagnosis.held_out.items()})

@@ -9,7 +9,6 @@ import numpy as np
 
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.diagnosis.judging.validation import validated
-from booster_ros.model.simulation import simulate
 from booster_ros.report.notes import notes
 
 
@@ -42,23 +41,6 @@ def test_what_goes_by_time_since_the_record_began_is_said_of_the_other_record():
     said = set(notes(validated(replace(found, after=swinging), another))) - set(notes(found))
     assert sum('the other record is judged as if it began like the first' in one
                for one in said) == 1
-
-
-def test_a_seat_fully_open_in_the_other_record_alone_is_said():
-    found = unknown_found()
-    columns = timed_columns(BENT, seed=2)
-    assert notes(validated(found, prepare(record_of(columns), DECLARED))) == notes(found)
-
-    columns['control_current'] = np.where(columns['time'] < 30.0, 0.46e-3, 0.36e-3)
-    run = simulate(BENT, columns['time'], columns['control_current'], {'chamber_pressure': 230e3})
-    columns |= {name: run[name] for name in ('chamber_pressure', 'valve_position')}
-    said = notes(validated(found, prepare(record_of(columns), DECLARED)))
-    assert sum('has the exhaust open as far as it goes' in note for note in said) == 1
-    assert not any('has the intake open' in note for note in said)
-
-    del columns['control_current']  # then nothing says how far the booster is open
-    assert not any('open as far as it goes' in note
-                   for note in notes(validated(found, prepare(record_of(columns), DECLARED))))
 
 
 def test_what_was_dropped_from_the_other_record_is_said():

@@ -9,13 +9,15 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import UNITS, Experiment, Initial, rmse
 from booster_ros.diagnosis.data.blocks import Segment
-from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.diagnosis.selection.decide import TraceStep
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
 
 Array = np.ndarray
+
+Started = tuple[PositionerParameters, Initial]
+"""A model with where it starts."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +54,7 @@ class ChannelError:
 
     `left_open` is the standard uncertainty of what the last model predicts that comes of
     parameters left open by the record, and `unforeseen` is what is left of `after` beyond it. Both
-    are NaN where the record was not met, or too few models were found that meet it. `mostly` has
-    the parameter that makes most of the way to the model that leaves `unforeseen`, with its value
-    there, and is empty if there is none.
+    are NaN where the record was not met, or too few models were found that meet it.
     """
 
     unit: str
@@ -64,7 +64,6 @@ class ChannelError:
     noise: float
     left_open: float = float('nan')
     unforeseen: float = float('nan')
-    mostly: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def met(self) -> bool:
@@ -75,24 +74,6 @@ class ChannelError:
     def foreseen(self) -> bool:
         """Whether the last model leaves no more than noise beyond what the record leaves open."""
         return self.met or self.unforeseen <= AS_GOOD_AS_MEASURED * self.noise
-
-
-@dataclass(frozen=True)
-class Alike:
-    """
-    Models, each with its start, that suit a record as well as the one that was found.
-
-    The model found is `base` with the values `z` of what was free, fitted to the marked rows of the
-    experiment, as `observation` compares the two.
-    """
-
-    models: tuple[tuple[PositionerParameters, Initial], ...]
-    base: PositionerParameters
-    freedoms: tuple[Free, ...]
-    z: Array
-    experiment: Experiment = field(repr=False)
-    rows: Array = field(repr=False)
-    observation: str
 
 
 def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
@@ -123,38 +104,20 @@ class Refused:
 
 
 @dataclass(frozen=True)
-class Moved:
-    """
-    A declared parameter before and after a change.
-
-    `left` is the mean square, in multiples of the noise's, that the change of this one alone
-    leaves of what came after.
-    """
-
-    name: str
-    unit: str
-    before: float
-    after: float
-    left: float
-
-
-@dataclass(frozen=True)
 class Change:
     """
     When the valve changed, s in the record's clock.
 
     `met` and `missed` are the mean squares, in multiples of the noise's, that the declared model,
     refitted to what came before, leaves before and from then on. Where the record was `cut` there,
-    the diagnosis is of what came after. `moved` are declared parameters, likeliest first, of which
-    the change of one alone explains what came after; `silent` are the channels that stand still
-    from then on while the model moves them.
+    the diagnosis is of what came after. `silent` are the channels that stand still from then on
+    while the model moves them.
     """
 
     time: float
     met: float
     missed: float
     cut: bool = False
-    moved: tuple[Moved, ...] = ()
     silent: tuple[str, ...] = ()
 
 
@@ -225,15 +188,13 @@ class OtherRecord:
     What there is to say of a record that only judges, beside the errors in it.
 
     `beyond` is the share of its rows that go beyond the range in which the term without a name was
-    seen, `opened` the share in which a seat is open as far as it goes, of seats that never were in
-    the first record. `chance` is that of `Diagnosis`.
+    seen. `chance` is that of `Diagnosis`.
     """
 
     notes: tuple[str, ...]
     drives: tuple[str, ...]
     channels: tuple[str, ...]
     beyond: float
-    opened: dict[str, float]
     chance: dict[str, float]
 
 
@@ -272,7 +233,7 @@ class Diagnosis:
     start: Initial | None = None
     decided: bool = False
     change: Change | None = None
-    alike: Alike | None = field(default=None, repr=False)
+    alike: tuple[Started, ...] | None = field(default=None, repr=False)
     trace: tuple[TraceStep, ...] = ()
     chance: dict[str, float] = field(default_factory=dict)
 

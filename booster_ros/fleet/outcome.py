@@ -12,7 +12,7 @@ from typing import Any
 
 from .false_discovery import LEAST, log_e_value
 from .manifest import FleetError
-from .statuses import CHANGED, NO_ANSWER, SILENT, UNKNOWN
+from .statuses import CHANGED, NO_ANSWER, NONE, SILENT
 
 NAME = 'valves.jsonl'
 
@@ -60,7 +60,7 @@ def answer_of(report: Mapping[str, Any]) -> dict[str, Any]:
     kind = report['verdict']
     if change and change['silent']:
         kind = SILENT
-    elif kind == UNKNOWN and change and change['moved'] and report['unknown'] is None:
+    elif kind == NONE and change and change['cut']:
         kind = CHANGED
     standings = [one['standing'] for one in effects]
     return {

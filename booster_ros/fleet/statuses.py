@@ -6,7 +6,7 @@ Statuses after NAMUR NE 107, from the verdict on a valve by one table.
 | verdict | standing | status |
 |---|---|---|
 | a channel stands still from some moment on | | failure |
-| a declared parameter changed on the way | | out of specification |
+| it changed on the way, and nothing is missing since | | out of specification |
 | unknown: something is missing that has no name | confirmed, likely | out of specification |
 | effect: a cause with a name | confirmed, likely | maintenance |
 | effect or unknown | candidate | check |

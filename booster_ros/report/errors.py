@@ -9,7 +9,6 @@ import numpy as np
 
 from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.result import AS_GOOD_AS_MEASURED, ChannelError, Diagnosis
-from booster_ros.model.actuator import has_dry_friction
 from booster_ros.report.engineering import Scale, common_scale, digits_apart, number
 from booster_ros.report.names import channel_label, channel_listing, listing
 
@@ -136,52 +135,27 @@ def sentences_on_rest(diagnosis: Diagnosis) -> list[str]:
 
 def sentences_on_left_open(diagnosis: Diagnosis) -> list[str]:
     """Return how much of the error in the test set is due to what this record leaves open."""
-    return _of_what_is_open(judged(diagnosis), diagnosis, 'the fitted part of this record')
+    return _of_what_is_open(judged(diagnosis), 'the fitted part of this record')
 
 
-def _of_what_is_open(errors: Mapping[str, ChannelError], diagnosis: Diagnosis, told_by: str
-                     ) -> list[str]:
+def _of_what_is_open(errors: Mapping[str, ChannelError], told_by: str) -> list[str]:
     missed = {name: error for name, error in errors.items() if not error.met}
     all_of_it = {name: error for name, error in missed.items() if error.foreseen}
     a_part = {name: error for name, error in missed.items()
               if not error.foreseen and error.left_open > error.noise}
     said = []
     if all_of_it:
-        slips = has_dry_friction(diagnosis.after.actuator)
-        why = _models_apart(all_of_it, told_by) if slips else (
-            f'a model that meets {told_by} as well, within the assumed tolerances, leaves '
-            f'{_beyond(all_of_it)} there{_with_values(all_of_it, diagnosis)}')
         said.append(f'What is left in {channel_listing(all_of_it)} need be no sign of anything '
-                    f'missing: {why}.')
+                    f'missing: {_models_apart(all_of_it, told_by)}.')
     if a_part:
         said.append(f'Of what is left in {channel_listing(a_part)} a part may come of parameters '
                     f'that are hardly told: {_models_apart(a_part, told_by)}.')
-    by_one = listing(list(dict.fromkeys(one for e in missed.values() for one in e.mostly)))
-    if said and by_one:
-        said.append(f'A record that tells {by_one}, or a closer value from elsewhere, would settle '
-                    'that.')
     return said
 
 
 def _models_apart(errors: Mapping[str, ChannelError], told_by: str) -> str:
     apart = listing([_in_noises(name, e, e.left_open) for name, e in errors.items()])
     return f'models that meet {told_by} as well differ from this one there by {apart}'
-
-
-def _beyond(errors: Mapping[str, ChannelError]) -> str:
-    return listing([_in_noises(name, e, e.unforeseen) for name, e in errors.items()])
-
-
-def _with_values(errors: Mapping[str, ChannelError], diagnosis: Diagnosis) -> str:
-    """Return the values of the parameters that make most of the way to what is left, if any do."""
-    values = {one: value for e in errors.values() for one, value in e.mostly.items()}
-    now = {one.name: one for one in diagnosis.refitted}
-    changes = [f'{name} at {scale.text(value, digits)} instead of {scale.text(after, digits)}'
-               for name, value in values.items() if name in now and math.isfinite(value)
-               for after in [now[name].after]
-               for scale in [common_scale(now[name].unit, (value, after))]
-               for digits in [digits_apart(value, after)]]
-    return f', with {listing(changes)}' if changes else ''
 
 
 def sentences_on_other_record(diagnosis: Diagnosis) -> list[str]:
@@ -200,7 +174,7 @@ def sentences_on_other_record(diagnosis: Diagnosis) -> list[str]:
         needless = ', which needs nothing added' if added and not _missing(errors) else ''
         said = f'{model} meets {channel_listing(errors)} of the other record{needless}.'
     doubts = _doubts(errors) if added else []
-    return [said, *(doubts or _of_what_is_open(errors, diagnosis, 'the first record'))]
+    return [said, *(doubts or _of_what_is_open(errors, 'the first record'))]
 
 
 def _doubts(errors: Mapping[str, ChannelError]) -> list[str]:

@@ -17,8 +17,9 @@ from booster_ros.report.unknown_term import UnknownTerm, unknown_experiment, unk
 from booster_ros.report.wording import SCALING, verdict_sentences, verdict_title
 
 
-VERSION = 2
-"""Of the report's keys: 2 has `trace`, and `standing` and `explained` of each effect."""
+VERSION = 3
+"""Of the report's keys: 2 has `trace`, and `standing` and `explained` of each effect, 3 has no
+`mostly` and no `moved`."""
 
 
 def json_text(diagnosis: Diagnosis, provenance: Provenance) -> str:
@@ -93,8 +94,7 @@ def _unknown(term: UnknownTerm | None) -> dict[str, Any] | None:
 def _errors(errors: Mapping[str, ChannelError]) -> dict[str, Any]:
     return {
         name: {'unit': e.unit, 'declared': e.declared, 'before': e.before, 'after': e.after,
-               'noise': e.noise, 'left_open': e.left_open,
-               'unforeseen': e.unforeseen, 'mostly': dict(e.mostly)}
+               'noise': e.noise, 'left_open': e.left_open, 'unforeseen': e.unforeseen}
         for name, e in errors.items()}
 
 

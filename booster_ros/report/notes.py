@@ -65,8 +65,7 @@ def _chance(shares: Mapping[str, float], part: str) -> tuple[str, ...]:
 def _of_other_record(diagnosis: Diagnosis, other: OtherRecord) -> tuple[str, ...]:
     return (*(f'the other record: {note}' for note in other.notes),
             *_of_other_channels(diagnosis, other), *_beyond(diagnosis, other),
-            *_in_another_phase(diagnosis), *_opened_further(other),
-            *_chance(other.chance, 'the other record'))
+            *_in_another_phase(diagnosis), *_chance(other.chance, 'the other record'))
 
 
 def _of_other_channels(diagnosis: Diagnosis, other: OtherRecord) -> tuple[str, ...]:
@@ -95,12 +94,3 @@ def _in_another_phase(diagnosis: Diagnosis) -> tuple[str, ...]:
         return ()
     return ('what was added goes by the time since the record began: the other record is judged '
             'as if it began like the first, the supply in the same phase, the converter as cold',)
-
-
-def _opened_further(other: OtherRecord) -> tuple[str, ...]:
-    """Return a sentence for each seat that is fully open in this record but never in the first."""
-    return tuple(
-        f'{100.0 * share:.0f} % of the other record has the {seat} open as far as it goes, '
-        'which the first record never had: its largest area follows from the declared one, and '
-        'shows as an error if that is wrong'
-        for seat, share in other.opened.items() if share >= WORTH_SAYING)

@@ -8,7 +8,7 @@ import numpy as np
 
 from booster_ros.diagnosis.result import Change, Diagnosis, FalseAdd, FoundEffect
 from booster_ros.model.catalogue import EFFECTS
-from booster_ros.report.engineering import common_scale, digits_apart, number
+from booster_ros.report.engineering import number
 from booster_ros.report.errors import (
     judged, leaves_much, left_in, meets_all, nothing_unforeseen, reaches_noise, scored,
     sentence_on_misses, sentences_on_gain, sentences_on_left_open, sentences_on_other_record,
@@ -28,9 +28,6 @@ SCALING = (
 LOUD = 0.05
 """Noise of a channel, as a share of its range, that is worth a word where nothing was found."""
 
-SEVERAL = 4.0
-"""Mean square left, relative to the noise's, beyond which more than one parameter has changed."""
-
 
 def with_what_was_added(diagnosis: Diagnosis) -> str:
     """Return the words for the model with what was added."""
@@ -46,7 +43,7 @@ def verdict_title(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline."""
     change = diagnosis.change
     if change is not None and diagnosis.verdict == 'none':
-        return f'Something changed at {_when(change)}'
+        return f'{"The valve" if change.cut else "Something"} changed at {_when(change)}'
     if diagnosis.verdict == 'none':
         if meets_all(diagnosis) and reaches_noise(scored(diagnosis.validation)):
             return 'The declared model, refitted, is enough for this record'
@@ -54,8 +51,6 @@ def verdict_title(diagnosis: Diagnosis) -> str:
                 judged(diagnosis)) and nothing_unforeseen(scored(diagnosis.validation)):
             return 'Nothing to add, but this record leaves a part of the model open'
         return 'Nothing to add'
-    if change is not None and change.moved:
-        return f'The valve changed at {_when(change)}'
     if change is not None and change.silent and change.cut:
         return f'From {_when(change)} on the {channel_listing(change.silent)} stands still'
     if diagnosis.verdict == 'unknown':
@@ -80,9 +75,6 @@ def verdict_sentences(diagnosis: Diagnosis) -> list[str]:
 
 def _sentences(diagnosis: Diagnosis) -> list[str]:
     change = diagnosis.change
-    if change is not None and change.moved:
-        return [*_sentences_on_change(diagnosis, change), sentence_on_misses(diagnosis),
-                _sentence_on_moved(change)]
     if change is not None and change.silent and change.cut:
         return [*_sentences_on_change(diagnosis, change), _sentence_on_silent(change),
                 sentence_on_misses(diagnosis)]
@@ -106,18 +98,6 @@ def _sentence_on_silent(change: Change) -> str:
     return (f'The {channel_listing(change.silent)} has one value from then on, or none, while the '
             'model moves it: the sensor is dead or cut off, or the valve sticks fast. It is not '
             'compared there.')
-
-
-def _sentence_on_moved(change: Change) -> str:
-    moves = listing([f'{one.name} from {scale.text(one.before, digits)} to '
-                     f'{scale.text(one.after, digits)} '
-                     f'({number(np.sqrt(one.left), 2)} times the noise left)'
-                     for one in change.moved
-                     for scale in [common_scale(one.unit, (one.before, one.after))]
-                     for digits in [digits_apart(one.before, one.after)]], 'or')
-    several = '; more than one has changed' if change.moved[0].left > SEVERAL else ''
-    return ('The declared model is enough for both parts, with other parameters. Changed alone, '
-            f'all others as they were before, comes nearest: {moves}{several}.')
 
 
 def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:

@@ -11,9 +11,8 @@ leaves much:
 2. lengthen this beginning, segment by segment, as far as the refit still meets it (by bisection);
 3. run the model refitted to it over the rest: the valve changed where this model begins to miss;
 4. if enough of the record is left from there on, diagnose that rest as a record of its own;
-5. where nothing is missing in the rest, a declared parameter has changed: one that alone, with the
-   others as they were before, explains what came after. Where a channel no longer says anything of
-   the valve, its sensor has changed.
+5. where nothing is missing in the rest, a declared parameter has changed, or a sensor, if a channel
+   no longer says anything of the valve.
 
 An effect that the record excites for the first time looks the same, and is found the same way.
 """
@@ -24,18 +23,14 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import AVERAGED, Experiment
-from booster_ros.diagnosis.data.blocks import rows_of
 from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
 from booster_ros.diagnosis.estimation.fit import Fit, fit
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, label
 from booster_ros.diagnosis.prepare.preparation import prepare
-from booster_ros.diagnosis.result import (
-    FAR_OFF, Change, ChannelError, Diagnosis, FoundEffect, Moved)
+from booster_ros.diagnosis.result import FAR_OFF, Change, ChannelError, Diagnosis, FoundEffect
 from booster_ros.diagnosis.selection.decide import NOISE
 from booster_ros.diagnosis.selection.stepwise import Progress
 from booster_ros.diagnosis.selection.task import THINNING, thinned
-from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 
@@ -51,9 +46,7 @@ declared model has to meet (a refit to less may imitate what has been missing fr
 of what is left after a change."""
 
 WORTH_CUTTING = 0.5
-"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole; and
-that a parameter may, relative to another one, if it is rather the one that changed: those held
-meanwhile are known only as well as the rows before the change tell."""
+"""Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
 
 
 def since_change(
@@ -73,13 +66,12 @@ def since_change(
         return diagnosis
     tell = progress or (lambda phrase, share: None)
     tell('looking for a change of the valve', 0.99)
-    found = _change(diagnosis)
-    if found is None:
+    change = _change(diagnosis)
+    if change is None:
         return diagnosis
-    change, before = found
     # the declared model has not met the missed rows even where it was refitted to them as well
     diagnosis = replace(diagnosis, change=change, held_out={
-        name: replace(error, left_open=np.nan, unforeseen=np.nan, mostly={})
+        name: replace(error, left_open=np.nan, unforeseen=np.nan)
         for name, error in diagnosis.held_out.items()})
     later = _later(record, change, diagnosis.declared, tell, judge) if left > MUCH else None
     if later is None:
@@ -89,14 +81,14 @@ def since_change(
     change = replace(change, silent=silent)
     if not (later.verdict == 'none' if silent else _left(later.error) <= WORTH_CUTTING * left):
         return replace(diagnosis, change=change)
-    meets = later.verdict == 'none' and all(
-        one.met for one in (*later.error.values(), *later.held_out.values())
-        if np.isfinite(one.after))
-    moved = _moved(later, before) if meets and not silent else ()
-    later = replace(later, change=replace(change, cut=True, moved=moved))
-    if silent:  # a stuck stem shows in the pressure as well
-        return _unknown(later, 'sensor' if meets else 'stem')
-    return _unknown(later, _place(moved[0].name), moved[1:]) if moved else later
+    later = replace(later, change=replace(change, cut=True))
+    if not silent:
+        return later
+    # a stuck stem shows in the pressure as well
+    met = all(one.met for one in (*later.error.values(), *later.held_out.values())
+              if np.isfinite(one.after))
+    return replace(later, verdict='unknown', effects=(
+        FoundEffect('unknown', 'sensor' if met else 'stem', {}, (), '', {}),))
 
 
 def _left(errors: Mapping[str, ChannelError]) -> float:
@@ -105,14 +97,8 @@ def _left(errors: Mapping[str, ChannelError]) -> float:
     return float(np.mean(squares)) if squares else np.nan
 
 
-def _unknown(later: Diagnosis, place: str, others: tuple[Moved, ...] = ()) -> Diagnosis:
-    """Return the diagnosis with something in this place that is no effect of the catalogue."""
-    return replace(later, verdict='unknown', effects=(FoundEffect(
-        'unknown', place, {}, tuple(one.name for one in others), '', {}),))
-
-
-def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
-    """Return when the valve changed, and the fit of the declared model to what came before."""
+def _change(diagnosis: Diagnosis) -> Change | None:
+    """Return when the valve changed, None if it did not, or was not met before."""
     experiment = diagnosis.experiment
     met = _longest_met(diagnosis)
     if met is None:
@@ -124,7 +110,7 @@ def _change(diagnosis: Diagnosis) -> tuple[Change, Fit] | None:
         return None
     return Change(
         experiment.begins + float(experiment.time[row]), float(np.nanmean(squares[:row])),
-        float(np.nanmean(squares[row:]))), fit
+        float(np.nanmean(squares[row:])))
 
 
 def _first_missed(squares: Array, begin: int) -> int | None:
@@ -192,37 +178,3 @@ def _later(record: Record, change: Change, declared: PositionerParameters, tell:
             (*rest.notes, *experiment.notes))
     except RecordError:
         return None
-
-
-def _moved(later: Diagnosis, before: Fit) -> tuple[Moved, ...]:
-    """
-    Return the declared parameters of which one alone explains best what came after, best first.
-
-    All others stay as they were fitted to what came before. Return none where no parameter leaves
-    less than WORTH_CUTTING of what is left with all of them as they were.
-    """
-    thin, kept = thinned(later.experiment, THINNING)
-    rows = rows_of(list(later.segments), 'train', len(later.experiment.time))[kept]
-
-    def left(found: Fit) -> float:
-        return float(np.nanmean(_squares(thin, found)[rows]))
-
-    still = left(fit(Problem(thin, rows, before.parameters, ())))
-    tried = []
-    for free, z in zip(before.freedoms, before.z):
-        problem = Problem(thin, rows, before.parameters, (free,))
-        moved = fit(problem, [np.r_[z, np.zeros(len(before.z) - len(before.freedoms))]])
-        tried.append(Moved(
-            label(free), DESCRIPTIONS[free.knob.parameter].unit, float(free.value(z)),
-            float(free.value(moved.z[0])), left(moved)))
-    tried = sorted((one for one in tried if one.left < WORTH_CUTTING * still),
-                   key=lambda one: one.left)
-    return tuple(one for one in tried if WORTH_CUTTING * one.left < tried[0].left)
-
-
-def _place(parameter: str) -> str:
-    """Return the location that a declared parameter belongs to."""
-    component = parameter.split('.')[0]
-    if component != 'actuator':
-        return component
-    return 'chamber' if parameter in OF_THE_CHAMBER else 'stem'

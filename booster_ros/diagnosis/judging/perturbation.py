@@ -24,8 +24,8 @@ DISTURBANCE = 1e-6
 converter or sensor resolves."""
 
 WORTH_SAYING = 0.3
-"""Difference between two runs, or what a record leaves open, as a share of the noise, from which on
-it is said: it then adds 4 % to the error."""
+"""Difference between two runs, as a share of the noise, from which on it is said: it then adds 4 %
+to the error."""
 
 
 def differences(experiment: Experiment, parameters: PositionerParameters, initial: Initial

@@ -14,7 +14,6 @@ from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.prepare.start_state import FIRST_SECONDS
 from booster_ros.diagnosis.result import Diagnosis, OtherRecord, errors_of
 from booster_ros.diagnosis.hypotheses.discrepancy import beyond
-from booster_ros.model.booster import largest_exhaust_area
 from booster_ros.model.discrepancy import covered
 from booster_ros.model.system import PositionerParameters
 
@@ -36,30 +35,7 @@ def validated(
     outside = beyond(covered(unknown), experiment, diagnosis.after, starts[-1]) if unknown else 0.0
     return replace(diagnosis, validation=errors, other=OtherRecord(
         notes, experiment.drives, experiment.channels, float(np.mean(outside)),
-        _opened_further(diagnosis, experiment, starts[-1]),
         chance(experiment, diagnosis.after, starts[-1])))
-
-
-def _opened_further(
-    diagnosis: Diagnosis, experiment: Experiment, start: Initial
-) -> dict[str, float]:
-    """Return the share of rows in which a seat is fully open that never was in the first record."""
-    if not {'control_current', 'back_pressure'} & set(experiment.drives):
-        return {}  # nothing says how far the booster is open
-    fitted = _fully_open(diagnosis.experiment, diagnosis.after, diagnosis.start)
-    judged = _fully_open(experiment, diagnosis.after, start)
-    return {seat: share for seat, share in judged.items() if fitted[seat] == 0.0}
-
-
-def _fully_open(
-    experiment: Experiment, parameters: PositionerParameters, start: Initial | None
-) -> dict[str, float]:
-    """Return the share of rows in which each seat of the booster is open as far as it goes."""
-    run = experiment.simulate(parameters, start)
-    largest = {'intake': parameters.booster.max_area,
-               'exhaust': largest_exhaust_area(parameters.booster)}
-    return {seat: float(np.mean(np.isclose(run[f'{seat}_area'], area))) if area else 0.0
-            for seat, area in largest.items()}
 
 
 def _start(experiment: Experiment, parameters: PositionerParameters) -> Initial:
