@@ -1,15 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where fits of dry friction begin: what the signature shows, and the best of a grid."""
+"""Where fits of dry friction begin: the best of a grid."""
 
-from dataclasses import replace
 
 from made_effect import add_effect
 from made_task import P, RAMPS, RAMPS_TIME, place_of, problem_of, seen, z_of
-import numpy as np
 import pytest
 
-from booster_ros.diagnosis.hypotheses.friction import break_away_friction, friction_starts
+from booster_ros.diagnosis.hypotheses.friction import friction_starts
 from booster_ros.model.catalogue import Knob
 
 TIME, CURRENT = RAMPS_TIME[:1800], RAMPS[:1800]
@@ -20,47 +18,6 @@ def rubbing(sliding, stiction, effect='stem_friction', **others):
     plant = P._replace(actuator=P.actuator._replace(
         coulomb_friction=sliding, stiction=stiction, **others))
     return problem_of(seen(plant, current=CURRENT, time=TIME), effect, freedoms=())
-
-
-@pytest.mark.parametrize(('sliding', 'stiction'), [(300.0, 100.0), (200.0, 60.0), (500.0, 200.0)])
-def test_a_stem_that_slips_shows_where_it_breaks_away(sliding, stiction):
-    problem = rubbing(sliding, stiction)
-    assert break_away_friction(problem, problem.start()) == pytest.approx(
-        sliding + stiction, rel=0.15)
-
-
-def test_a_stem_that_slides_shows_its_friction():
-    problem = rubbing(150.0, 0.0)
-    assert break_away_friction(problem, problem.start()) == pytest.approx(150.0, rel=0.15)
-
-
-def test_a_shifted_spring_is_not_held_for_friction():
-    """It is pushed one way as much more as it is pushed less the other way."""
-    problem = rubbing(300.0, 100.0, bench_set_shift=2e3)
-    plain = rubbing(300.0, 100.0)
-    assert break_away_friction(problem, problem.start()) == pytest.approx(
-        break_away_friction(plain, plain.start()), rel=0.15)
-
-
-@pytest.mark.parametrize('without', ['chamber_pressure', 'valve_position', 'motion'])
-def test_nothing_is_read_where_pressure_or_motion_is_not_seen(without):
-    problem = rubbing(300.0, 100.0)
-    measured = dict(problem.experiment.measured)
-    if without == 'motion':
-        measured['valve_position'] = np.full(len(TIME), 5e-3)
-    else:
-        del measured[without]
-    blind = replace(problem, experiment=replace(problem.experiment, measured=measured))
-    assert break_away_friction(blind, blind.start()) is None
-    assert friction_starts(blind, blind.start())  # the best of the grid are left
-
-
-def test_a_gap_in_a_channel_is_no_motion():
-    problem = rubbing(300.0, 100.0)
-    before = break_away_friction(problem, problem.start())
-    for values in problem.experiment.measured.values():
-        values[300:400] = np.nan
-    assert break_away_friction(problem, problem.start()) == pytest.approx(before, rel=0.1)
 
 
 @pytest.mark.parametrize('values', [

@@ -12,9 +12,7 @@ import pytest
 from booster_ros.diagnosis.data.experiment import LONGEST_INTERVAL
 from booster_ros.diagnosis.estimation.fit import fit_at
 from booster_ros.diagnosis.estimation.parametrisation import put
-from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.applicable import applicable
-from booster_ros.diagnosis.hypotheses.friction import break_away_friction
 from booster_ros.diagnosis.hypotheses.subsystem import upstream
 from booster_ros.diagnosis.pipeline import diagnose
 from booster_ros.diagnosis.prepare.preparation import prepare
@@ -149,16 +147,6 @@ def test_a_drop_that_was_not_read_for_a_while_is_bridged_and_slow_samples_are_no
     assert known[:490].all()
     assert not known[505:595].any()
     assert np.isfinite(experiment.pinned['pressure_drop']).all()
-
-
-def test_friction_is_read_without_the_push_of_the_process():
-    rubbing = put(put(PUSHED, 'actuator.coulomb_friction', 300.0), 'actuator.stiction', 100.0)
-    experiment = prepare(record_of(commanded(rubbing)), DECLARED)
-    problem = Problem(experiment, np.ones(len(TIME), dtype=bool), PUSHED, ())
-    pushed = break_away_friction(problem, problem.start())
-    assert pushed == pytest.approx(400.0, rel=0.25)
-    bare = replace(problem, experiment=replace(experiment, pinned={}))
-    assert break_away_friction(bare, problem.start()) > 1.4 * pushed
 
 
 def test_a_vessel_has_nothing_to_push():
