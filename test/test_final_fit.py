@@ -31,21 +31,6 @@ def test_a_lift_that_is_never_reached_is_kept_where_that_of_the_intake_is_too_li
     assert found.low == pytest.approx(least, rel=0.15)  # as far as the exhaust was opened
 
 
-PACKING = {'actuator.coulomb_friction': 380.0, 'actuator.stiction': 130.0,
-           'actuator.presliding_damping': 2.5}
-
-
-@pytest.mark.parametrize(('stiffness', 'damping'), [(0.0, 1.0), (1e7, 2.5)])
-def test_shapes_on_which_nothing_depends_end_as_typical(stiffness, damping):
-    """A packing that does not yield has no damping; a stiffness of none is one that does not."""
-    plant = P._replace(actuator=P.actuator._replace(coulomb_friction=380.0, stiction=130.0))
-    problem = problem_of(seen(plant), 'stem_friction', freedoms=())
-    begin = z_of(problem, PACKING | {'actuator.presliding_stiffness': stiffness})
-    found = without_unseen(problem, fit_at(problem, begin)).parameters.actuator
-    assert found.presliding_stiffness == pytest.approx(stiffness)
-    assert found.presliding_damping == pytest.approx(damping)
-
-
 def test_what_is_seen_stays_and_its_slopes_with_it():
     problem = problem_of(seen(put(P, 'actuator.leak_area', 3e-8)), 'chamber_leak', freedoms=())
     fit = fit_at(problem, z_of(problem, {'actuator.leak_area': 3e-8}))

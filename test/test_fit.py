@@ -41,10 +41,6 @@ class TwoWells:
     def initial(self, z, p):
         return Initial(0.0)
 
-    def idle(self, asked, z):
-        assert list(asked) == []
-        return set()
-
 
 def at(*places):
     return [np.array([place]) for place in places]

@@ -56,10 +56,9 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     """
     Return the fit with those sizes back at neutral that the rows show less than their noise.
 
-    And with those shapes typical on which nothing depends. Its slopes are those of before: nothing
-    seen has moved. Slopes also call a size unseen that lies where nothing more changes, such as
-    that of a seat so wide that it is never fully open. So the model with the size at neutral is run
-    before it is taken.
+    Its slopes are those of before: nothing seen has moved. Slopes also call a size unseen that lies
+    where nothing more changes, such as that of a seat so wide that it is never fully open. So the
+    model with the size at neutral is run before it is taken.
     """
     z, seen = found.z, found.seen
     for j, free in enumerate(problem.freedoms):
@@ -69,11 +68,6 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
         without[j] = 0.0
         if problem.cost(without) < found.cost + NOTICEABLE:
             z = without
-    shapes = [j for j, free in enumerate(problem.freedoms)
-              if free.knob.shape and not free.knob.inverse]  # a stiffness of none is rigid
-    for j in problem.idle(shapes, z):
-        z = z.copy()
-        z[j] = problem.freedoms[j].without_size
     return found if z is found.z else fit_at(problem, z, found.jacobian)
 
 

@@ -12,7 +12,7 @@ what is known beforehand of declared parameters and of the start. Variables are 
 parameters, then those of the start.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -236,18 +236,6 @@ class Problem:
             matter.add('past')
         first = len(self.freedoms) + 1  # behind the chamber's pressure
         return [j for j, name in enumerate(Departure._fields, first) if name not in matter]
-
-    def idle(self, variables: Iterable[int], z: Array) -> set[int]:
-        """Return those on which nothing seen at z depends: without a size no shape matters."""
-        asked = list(variables)
-        here = self.scaled(z) if asked else []
-
-        def moves_nothing(j: int) -> bool:
-            moved = z.copy()
-            moved[j] += DIFFERENCE if z[j] + DIFFERENCE < self.freedoms[j].high else -DIFFERENCE
-            return all(map(np.array_equal, self.scaled(moved), here))
-
-        return {j for j, still in zip(asked, side_by_side(moves_nothing, asked)) if still}
 
     def start(self) -> Array:
         """Return z of the given parameters."""

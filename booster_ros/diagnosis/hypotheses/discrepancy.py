@@ -80,9 +80,6 @@ back pressure may have to go: about ten."""
 CROWDED = 4.0
 """Power with which knots about zero lie further apart the further off they are."""
 
-LEAST_SIDE = 1e-3
-"""Share of the further end of a variable about zero up to which the nearer end is laid at least."""
-
 
 @dataclass(frozen=True)
 class Term:
@@ -96,11 +93,6 @@ class Term:
     variable: int
     size: float
     past: Knob | None = None
-
-    @property
-    def place(self) -> str:
-        """Return its location as effects and reports have it."""
-        return place_of(self.location)
 
     @property
     def label(self) -> str:
@@ -191,33 +183,10 @@ def _about_zero(low: float, high: float) -> Array:
     """
     Return knots that are dense about zero, shape (KNOTS,), as many below it as above.
 
-    An error fades: most rows have little of it, and rising and falling differ from zero on. Where
-    one side is hardly seen, its knots go as far as LEAST_SIDE of the other.
+    An error fades: most rows have little of it, and rising and falling differ from zero on.
     """
     shares = (np.arange(1.0, KNOTS // 2 + 1) / (KNOTS // 2 - 1))**CROWDED
-    least = LEAST_SIDE * max(abs(low), abs(high), 1.0)
-    return np.r_[-max(-low, least) * shares[::-1], max(high, least) * shares]
-
-
-def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
-    """
-    Return the problem with a table that fades to zero no more steeply than it runs as fitted.
-
-    A leak that grows along the travel does not vanish just beyond the last position seen: a valve
-    that goes there would meet a step which no record showed. No fade is longer than the range that
-    was seen. Over a play the table stays as it is: nothing is beyond a play.
-    """
-    table = fit.parameters.discrepancy
-    if term.has_play(table):
-        return problem
-    knots, inner = np.array(table.knots[1:-1]), np.array(table.values[1:-1])
-    covers = knots[-1] - knots[0]
-    steepest = max(float(np.abs(np.diff(inner) / np.diff(knots)).max()), 1e-300)
-    below, above = (float(np.clip(abs(end) / steepest, covers / (KNOTS - 3), covers))
-                    for end in inner[[0, -1]])
-    table = problem.base.discrepancy._replace(knots=tuple(
-        np.r_[knots[0] - below, knots, knots[-1] + above].tolist()))
-    return replace(problem, base=problem.base._replace(discrepancy=table))
+    return max(-low, high, 1.0) * np.r_[-shares[::-1], shares]
 
 
 def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Problem, Array]:
@@ -254,12 +223,7 @@ def beyond(seen: tuple[float, float], experiment: Experiment, p: PositionerParam
 
 def _range_followed(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
     """Return the lowest and the highest value of a term's variable in the rows of the problem."""
-    if table.variable == term.BACK_PRESSURE_ERROR:
-        p = reference.parameters._replace(discrepancy=table)
-        values = np.concatenate([_simulated_errors(problem.experiment, p, slower)[problem.rows]
-                                 for slower in (1.0, MUCH_SLOWER)])
-    else:
-        values = _course(problem, reference, table)[problem.rows]
+    values = _course(problem, reference, table)[problem.rows]
     if table.location in (term.PRESSURE_SENSOR, term.POSITION_SENSOR):
         given = problem.parameters(problem.start())
         run = problem.experiment.simulate(given, reference.initial)
@@ -268,32 +232,23 @@ def _range_followed(problem: Problem, reference: Fit, table: Discrepancy) -> Arr
     return np.array([np.nanmin(values), np.nanmax(values)])
 
 
-def _simulated_errors(experiment: Experiment, p: PositionerParameters, slower: float) -> Array:
-    """
-    Return how far the back pressure has to go, Pa, shape (n,), if the lag is so many times as long.
-
-    The error is no reading. It is the height of a step whatever the lag, but on a ramp it grows
-    with the lag that is to be found.
-    """
-    ep = p.ep_converter
-    p = p._replace(ep_converter=ep._replace(time_constant=slower * ep.time_constant))
-    # the start of a fit without the term may have gone far to imitate it
-    run = experiment.simulate(p, experiment.initial)
-    return followed(p, experiment.time, run.columns)
-
-
 def _course(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
     """
     Return the variable of a term as measured, or as simulated where no row that counts has it.
 
-    For a change, the variable that changes runs straight across a gap.
+    For a change, the variable that changes runs straight across a gap. How far the back pressure
+    has to go is no reading: it is that of a converter MUCH_SLOWER, as on a ramp it grows with the
+    lag that is to be found.
     """
-    experiment = problem.experiment
+    experiment, p = problem.experiment, reference.parameters._replace(discrepancy=table)
+    if table.variable == term.BACK_PRESSURE_ERROR:
+        p = put(p, 'ep_converter.time_constant', MUCH_SLOWER * p.ep_converter.time_constant)
+        # the start of a fit without the term may have gone far to imitate it
+        return followed(p, experiment.time, experiment.simulate(p).columns)
     name = term.VARIABLES[term.CHANGE_OF.get(table.variable, table.variable)]
     values = experiment.measured.get(name)
     if values is None or not np.isfinite(values[problem.rows]).any():
         values = experiment.simulate(reference.parameters, reference.initial)[name]
     elif table.variable in term.CHANGE_OF:
         values = bridged(experiment.time, values)
-    p = reference.parameters._replace(discrepancy=table)
     return followed(p, experiment.time, {name: np.asarray(values)})

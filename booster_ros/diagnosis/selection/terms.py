@@ -14,7 +14,7 @@ from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.discrepancy import (
-    UNNAMED, Term, linear_reach, terms)
+    UNNAMED, Term, linear_reach, place_of, terms)
 from booster_ros.diagnosis.selection.neighbours import BEGUN, fitted_to_every_row
 from booster_ros.diagnosis.selection.screening import BEST
 from booster_ros.diagnosis.selection.task import Model, Task
@@ -27,7 +27,7 @@ def best_terms(task: Task, root: Model) -> list[Model]:
     """Return the models with a term without a name that explain most, fitted to every row."""
     problem = task.problem()
     likely = [one for one in terms(task.experiment.channels, task.declared)
-              if one.place in task.places
+              if place_of(one.location) in task.places
               and not (task.experiment.quasi_static
                        and one.variable in (*term.CHANGE_OF, term.BACK_PRESSURE_ERROR))]
     begun = _begun(problem, fit_at(problem, root.fit.z), likely)
