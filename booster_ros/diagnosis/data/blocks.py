@@ -26,15 +26,13 @@ FEWEST_ROWS = 4
 """Smallest number of rows of a segment, which counts where rows are seconds apart."""
 
 FEWEST = {'train': 4, 'test': 1}
-"""Smallest number of blocks of each role in a record; a short one is cut into shorter pieces than
-SHORTEST and LONGEST for that."""
+"""Smallest number of blocks of each role; a short record is cut into shorter ones for that."""
 
 SWEEP_ROWS, TESTED_OF_SWEEP = 2, 7
 """Rows in a block of a sweep without time; one of so many of its blocks is for testing."""
 
 FEWEST_BLOCKS = 8
-"""Number of blocks below which they are cut into equal parts for resampling: of two blocks there
-are three draws in all."""
+"""Number of blocks below which they are cut for resampling: of two there are three draws in all."""
 
 
 @dataclass(frozen=True)
@@ -102,19 +100,16 @@ def _cut(clock: Array, changes: Array, shortest: float, longest: float) -> list[
         fine.extend(np.linspace(first, last, parts + 1).astype(int)[:-1].tolist())
     fine.append(len(clock))
     begin_test = clock[0] + (1.0 - TESTED) * (clock[-1] - clock[0])
-    segments: list[Segment] = []
-    for first, last in pairwise(fine):
-        middle = 0.5 * (clock[first] + clock[last - 1])
-        segments.append(Segment(first, last, 'test' if middle > begin_test else 'train'))
-    return segments
+    middles = [0.5 * (clock[first] + clock[last - 1]) for first, last in pairwise(fine)]
+    return [Segment(first, last, 'test' if middle > begin_test else 'train')
+            for (first, last), middle in zip(pairwise(fine), middles)]
 
 
 def split_sweep(rows: int) -> list[Segment]:
     """
     Cut a sweep without time into short blocks of which every seventh is for testing.
 
-    Roles are interleaved because each part of a sweep is a state of its own: a part that was left
-    out as a whole could not be known from the others.
+    Roles are interleaved as each part of a sweep is a state of its own.
     """
     edges = [*range(0, rows - SWEEP_ROWS + 1, SWEEP_ROWS), rows]
     return [Segment(first, last, 'test' if k % TESTED_OF_SWEEP == TESTED_OF_SWEEP // 2 else 'train')
@@ -140,6 +135,5 @@ def rows_of(segments: list[Segment], role: str, size: int) -> Array:
     """Return a boolean array, shape (size,), that marks the rows of this role."""
     marked = np.zeros(size, dtype=bool)
     for segment in segments:
-        if segment.role == role:
-            marked[segment.first:segment.last] = True
+        marked[segment.first:segment.last] = segment.role == role
     return marked

@@ -19,19 +19,15 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 LONGEST_INTERVAL = 0.1
-"""
-Intervals between rows are divided no further than this, s, unless measured drives run between
-them: what happens there is smooth.
-"""
+"""Intervals between rows are divided no further than this, s, unless measured drives run between
+them: what happens there is smooth."""
 
 PARTS_OF_A_DRIVE = 50
 """Parts into which a measured drive is cut between two rows, each within both longest intervals."""
 
 THINNED_TOLERANCE = 3.0
-"""
-Factor on the solver's tolerance where rows are thinned: it makes an error of 1 Pa and 0.03 um, far
-below any noise, at two thirds of the time.
-"""
+"""Factor on the solver's tolerance where rows are thinned: an error of 1 Pa and 0.03 um, far below
+any noise, at two thirds of the time."""
 
 FEWEST = 12
 """Number of values, of rows to compare or of draws, below which nothing is told by them."""
@@ -40,8 +36,7 @@ AVERAGED = 25
 """Number of rows, or samples, whose mean shows what noise hides: it has a fifth of the noise."""
 
 ARRIVED = 0.05
-"""Share of the time for which a row of a sweep is dwelt on, after which its drives have
-arrived."""
+"""Share of the time that a row of a sweep is dwelt on, after which its drives have arrived."""
 
 COMMANDS = ('control_current', 'set_point')
 """The columns that command a valve: what was asked for, not what was measured."""
@@ -202,10 +197,9 @@ class Experiment:
 
     def _controlled(self, p: PositionerParameters) -> PositionerParameters:
         """Return the parameters with the controller as this experiment needs it."""
-        c = p.position_controller._replace(enabled=self.in_loop)
-        if self.in_loop:
-            c = c._replace(period=max(c.period, self.least_period))
-        return p._replace(position_controller=c)
+        c = p.position_controller
+        return p._replace(position_controller=c._replace(
+            enabled=self.in_loop, period=max(c.period, self.least_period)))
 
     def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:
         """Return time, standing current and measured drives to simulate, and where rows lie."""
@@ -244,14 +238,15 @@ class Experiment:
         Return this experiment with fewer rows, and which rows those are.
 
         Rows at which a drive jumps are kept, and one of every `factor` between them. The current
-        that stands between two kept rows is the mean of what it was, and a measured pressure that
-        drives is the mean of the rows around a kept one: single rows would make its noise slower,
-        and more of it would reach the chamber.
+        between two kept rows is the mean of what it was, a measured pressure that drives that of
+        the rows around a kept one: noise of single rows would be slower, and reach the chamber.
         """
         size = len(self.time)
         keep = np.zeros(size, dtype=bool)
-        keep[self._one_of_every(factor)] = True
         keep[[0, -1]] = True
+        known = np.isfinite(list(self.measured.values()))
+        for rows in (*known, ~known.any(axis=0)):  # each channel may have values in other rows
+            keep[np.flatnonzero(rows)[::factor]] = True
         # where a drive runs straight from row to row, the row before a jump counts too
         standing, running = (0, 1, 2), (-1, 0, 1, 2)
         around = [np.add.outer(_jumps(self.current), standing if self.ends is None else running)]
@@ -278,20 +273,6 @@ class Experiment:
             ends=None if self.ends is None else self.ends[rows],
             measured={name: values[rows] for name, values in self.measured.items()},
             pinned={name: values[rows] for name, values in self.pinned.items()})
-
-    def _one_of_every(self, factor: int) -> Array:
-        """Return a row of every `factor`: where channels have no value, one in which most do."""
-        regular = np.arange(0, len(self.time), factor)
-        known = np.isfinite(list(self.measured.values()))
-        if known.all():
-            return regular
-        rows = []
-        waiting = np.ones(len(known))  # a channel left out in one place counts more in the next
-        for first in regular:
-            row = first + int(np.argmax(waiting @ known[:, first:first + factor]))
-            waiting = np.where(known[:, row], 1.0, waiting + 1.0)
-            rows.append(row)
-        return np.array(rows)
 
     def _mean_current(self, kept: Array) -> Array:
         """Return the mean of the standing current from each kept row to the next."""

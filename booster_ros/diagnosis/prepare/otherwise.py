@@ -12,13 +12,12 @@ What a record may be instead of what it says: a table of suppositions, judged by
 | the current is reversed | a current less the recorded one | pressure falls as it rises |
 | the position is reversed | its negative | there is a position |
 
-Fitted all the same, such a record comes out as an effect: a chamber in absolute pressure as a
-process that pushes on the plug, a supply as a dead band, a current of a reverse-acting converter as
-one in which nearly all is missing. A record is what is supposed where the declared model then
-misses less than EXPLAINED of what it misses of the record as it is (`is_otherwise`).
+Fitted all the same, such a record comes out as an effect, as absolute pressure does as a process
+that pushes on the plug. A record is what is supposed where the declared model then misses less than
+EXPLAINED of what it misses of the record as it is (`is_otherwise`).
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 import itertools
 
@@ -40,8 +39,7 @@ Pair = tuple[Experiment, Experiment, str]
 Supposition = Callable[[Experiment, PositionerParameters], Iterator[Pair]]
 
 EXPLAINED = 0.3
-"""Share of the declared model's error that is left where the record is taken otherwise, below which
-it is to be taken so: a tenth of its square."""
+"""Share of the error left where a record is to be taken otherwise: a tenth of its square."""
 
 SMALLEST = 1e-12
 """Least that a channel is taken to move (SI): errors are told as shares of how much it moves."""
@@ -51,25 +49,23 @@ PRESSURES = ('supply_pressure', 'back_pressure', 'chamber_pressure')
 SECONDS = {'nanoseconds': nano, 'microseconds': micro, 'milliseconds': milli, 'minutes': minute,
            'hours': hour, 'days': day}
 USUAL_STEP = (1e-3, 1.0)
-"""Usual distance of rows in seconds, below the second. Time is in another unit only if rows are not
-so far apart, and would be in that unit."""
+"""Usual distance of rows in seconds: rows of another unit have it in that unit, not in seconds."""
 
 FEW = 400
-"""Number of rows that tell how the declared model does where it has settled in each: what lasts for
-months in microseconds is not run through."""
+"""Rows that tell how the declared model does where it has settled in each: months in microseconds
+are not run through."""
 
 STARTS = 41
-"""Number of currents, over twice what opens the converter fully, from the best of which the search
-for the current that was taken the other way begins: all but a few leave the valve shut or open."""
+"""Currents, over twice what opens the converter fully, of which the best begins the search for the
+least current: all but a few leave the valve shut or open."""
 
 
 def is_otherwise(recorded: Experiment, taken: Experiment, declared: PositionerParameters) -> bool:
     """
     Tell whether the declared model misses a record far less if it is taken otherwise.
 
-    Errors are summed over channels, each as a share of how much the channel moves at the most, as
-    measured or as predicted: as a share of what a dead sensor does, its error would outweigh all
-    else.
+    Errors are summed over channels, each as a share of how much the channel moves at the most,
+    measured or predicted: as a share of what a dead sensor does it would outweigh all else.
     """
     both = [(one.measured, one.predict(declared)) for one in (recorded, taken)]
     sizes = {name: max(SMALLEST, *(
@@ -85,18 +81,12 @@ def check_taken_otherwise(
     experiment: Experiment, declared: PositionerParameters, source: str
 ) -> None:
     """Raise RecordError where the declared model moves as measured under a supposition."""
-    _check(OF_TIME, experiment, declared, source)
-    if not experiment.quasi_static:
-        check_length(experiment.time, source)  # days may be milliseconds: that is asked before
-    _check(SUPPOSITIONS, experiment, declared, source)
-
-
-def _check(suppositions: Sequence[Supposition], experiment: Experiment,
-           declared: PositionerParameters, source: str) -> None:
-    for supposition in suppositions:
+    for supposition in SUPPOSITIONS:
         for recorded, taken, said in supposition(experiment, declared):
             if is_otherwise(recorded, taken, declared):
                 raise RecordError(f'{source}, column {said}')
+        if not experiment.quasi_static:
+            check_length(experiment.time, source)  # once it is known to be no other unit
 
 
 def _another_unit_of_time(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
@@ -239,6 +229,6 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
         'travel)')
 
 
-OF_TIME: tuple[Supposition, ...] = (_another_unit_of_time,)
 SUPPOSITIONS: tuple[Supposition, ...] = (
-    _in_mbar, _absolute, _another_supply, _reversed_current, _reversed_position)
+    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_current,
+    _reversed_position)

@@ -28,17 +28,11 @@ REACHED = 0.99
 """Quantile of the values of a channel that counts as reached."""
 
 LITTLE = 0.05
-"""
-Share of the travel, of the supply, or of the range of a command, that is more than a tolerance,
-than a stop yields, or than a command moves on slowly. A channel that goes so far beyond what the
-declared valve can is told before a search, as that will not help. Where the declared model moves by
-more, a reading that never changes is that of a sensor, or a valve, that sticks fast. A pressure
-that stays below is in another unit, if the model says so as well.
-"""
+"""Share of the travel, of the supply, or of the range of a command, that is more than a tolerance,
+than a stop yields, or than a command moves on slowly."""
 
 OF_ANOTHER = 2.0
-"""Multiple of the travel that a position reaches, or of the supply that even the smallest current
-asks for, above which it is that of another valve."""
+"""Multiple of travel, or of the supply that the least current asks for, that is another valve's."""
 
 
 def check_declared(declared: PositionerParameters, source: str) -> None:
@@ -136,8 +130,7 @@ def without_stuck(
     """
     Return the experiment without channels that never change where the declared model moves much.
 
-    Such a reading has no noise, so it would outweigh all others. RecordError where no channel is
-    left.
+    Without noise they would outweigh all others. RecordError where no channel is left.
     """
     ranges = {'valve_position': declared.actuator.travel, 'mass_flow': np.inf}
     pressure_stands = stands_still(experiment.measured.get('chamber_pressure', np.array([])))

@@ -30,13 +30,15 @@ from booster_ros.records.holding import between_samples, bridged, last_known
 
 Array = np.ndarray
 
+_WHITE = (
+    'what drives the valve hardly rests, nor moves smoothly for long: noise is taken as white, as '
+    'its colour shows there alone; where a sensor is damped there is more of it, up to several '
+    'times, and what seems to be missed may be noise')
+
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9, 'pressure_drop': 5.0}
-"""
-Smallest noise of a channel, in its unit: what the solver leaves on thinned rows, 2 Pa and 0.03 um,
-must not count as something that the model lacks. Sensors resolve far less.
-"""
-
+"""Smallest noise of a channel, in its unit: above what the solver leaves on thinned rows, 2 Pa and
+0.03 um. Sensors resolve far less."""
 
 TRANSMITTER = 5e-4
 """Noise of a position in a slow loop, as a share of the travel, where a record shows more: a valve
@@ -103,7 +105,8 @@ def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:
         quasi_static=rows.quasi_static,
         begins=rows.begins,
         command=role.command,
-        notes=(*rows.notes, *_colour_notes(calm, rows.quasi_static), *_clouded_notes(clouded)),
+        notes=(*rows.notes, *([] if rows.quasi_static or calm else [_WHITE]),
+               *_clouded_notes(clouded)),
     )
 
 
@@ -133,7 +136,9 @@ def _without_gaps(experiment: Experiment, rows: Rows, declared: PositionerParame
     usable = rows.usable & caught_up(experiment, declared, gaps)
     compared = {name: np.where(usable, values, np.nan)
                 for name, values in experiment.measured.items()}
-    left_out = _gap_notes(usable, rows.role)
+    left_out = [] if usable.all() else [
+        f'{int((~usable).sum())} rows in gaps of {" or ".join(rows.role.drives)}, and after them '
+        'until the chamber has caught up, are not compared']
     _check_enough(compared, rows.source, *left_out)
     return replace(experiment, measured=compared, notes=(*experiment.notes, *left_out))
 
@@ -148,7 +153,9 @@ def _checked(experiment: Experiment, declared: PositionerParameters, source: str
     check_bench(experiment, declared, source)
     check_taken_otherwise(experiment, declared, source)
     experiment = without_stuck(experiment, declared, source)
-    return replace(experiment, notes=(*experiment.notes, *_still_notes(experiment.measured)))
+    return replace(experiment, notes=(*experiment.notes, *(
+        f'{name} stands still: every row has the same value'
+        for name, values in experiment.measured.items() if stands_still(values))))
 
 
 def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters, source: str
@@ -197,14 +204,6 @@ def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> No
                        f'{FEWEST} are needed', *notes)))
 
 
-def _colour_notes(calm: Sequence[slice], quasi_static: bool) -> tuple[str, ...]:
-    if quasi_static or calm:
-        return ()
-    return ('what drives the valve hardly rests, nor moves smoothly for long: noise is taken as '
-            'white, as its colour shows there alone; where a sensor is damped there is more of it, '
-            'up to several times, and what seems to be missed may be noise',)
-
-
 def _clouded_notes(clouded: Sequence[str]) -> tuple[str, ...]:
     if not clouded:
         return ()
@@ -212,18 +211,6 @@ def _clouded_notes(clouded: Sequence[str]) -> tuple[str, ...]:
             'the valve still moves (slips, hunting, a supply that ripples), which hides how noise '
             'carries over from row to row; where a sensor is damped there is more of it than is '
             'said here',)
-
-
-def _gap_notes(usable: Array, role: Roles) -> tuple[str, ...]:
-    if usable.all():
-        return ()
-    return (f'{int((~usable).sum())} rows in gaps of {" or ".join(role.drives)}, and after them '
-            'until the chamber has caught up, are not compared',)
-
-
-def _still_notes(compared: Mapping[str, Array]) -> tuple[str, ...]:
-    return tuple(f'{name} stands still: every row has the same value'
-                 for name, values in compared.items() if stands_still(values))
 
 
 def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters) -> Experiment:

@@ -19,15 +19,14 @@ Array = np.ndarray
 
 DWELL_PINNED = 0.25
 DWELL_FILLED = 30.0
-"""How long each row of a sweep without time stands, s: where the chamber pressure drives, only the
-stem has to follow; where the current or the back pressure does, the chamber has to fill."""
+"""How long each row of a sweep without time stands, s: where the chamber pressure drives, the stem
+has to follow; else the chamber has to fill."""
 
 CLOSEST_ROWS = 1e-6
 """Time from row to row, s, below which no valve is recorded: it is of another unit."""
 
 LONGEST_RUN = 7 * 86400.0
-"""Longest time, s, from the first row to the last: a week, or 10,000 rows a minute apart. A run
-over it takes seconds, and a diagnosis needs hundreds of runs."""
+"""Longest time of a record, a week in s: a run takes seconds, a diagnosis hundreds of runs."""
 
 LONGEST_GAP = 3600.0
 """A gap longer than this, s, and than all the rest of a record leaves nothing to go on from."""
@@ -135,7 +134,7 @@ def _check_time(record: Record) -> None:
 
 
 def check_length(time: Array, source: str) -> None:
-    """Raise RecordError where a run over these times would take minutes, and hundreds hours."""
+    """Raise RecordError where a run takes minutes, and hundreds hours."""
     if time[-1] - time[0] > LONGEST_RUN:
         raise RecordError(
             f'{source}, column time: lasts {time[-1] - time[0]:.3g} s, and no more than '
@@ -205,8 +204,6 @@ def _usable_rows(
 ) -> Array:
     """Return which rows have known drives that, in a sweep, were dwelt on."""
     usable = np.ones(len(time), dtype=bool)
-    if not role.drives:
-        return usable
     for name in role.drives:
         usable &= np.isfinite(columns[name])
     if quasi_static:

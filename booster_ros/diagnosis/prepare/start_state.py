@@ -28,14 +28,11 @@ def start_state(
     columns: Mapping[str, Array], declared: PositionerParameters, noise: Mapping[str, float]
 ) -> Initial:
     """Return the start in SI units; what was not measured follows from the declared parameters."""
-    position = None
-    if 'valve_position' in columns:
-        position = first_value(columns['valve_position'], noise['valve_position'])
-    if 'chamber_pressure' in columns:
-        pressure = first_value(columns['chamber_pressure'], noise['chamber_pressure'])
-        if pressure is not None:
-            return Initial(pressure, valve_position=position)
-    return Initial(_unmeasured_pressure(columns, declared, position), valve_position=position)
+    pressure, position = (first_value(columns[name], noise[name]) if name in columns else None
+                          for name in ('chamber_pressure', 'valve_position'))
+    if pressure is None:
+        pressure = _unmeasured_pressure(columns, declared, position)
+    return Initial(pressure, valve_position=position)
 
 
 def first_value(values: Array, noise: float) -> float | None:

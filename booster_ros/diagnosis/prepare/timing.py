@@ -3,20 +3,15 @@
 """
 When commands were given that a record has in the row after, or in the row before.
 
-**Another clock.** One that stamps rows as they arrive does not know when between two of them the
-valve took a command: it may have been anywhere in a row, with a standard deviation of the row's
-length over sqrt(12). What that does to the model is noise.
+**Another clock.** One that stamps rows as they arrive does not know when in a row the valve took a
+command: with a standard deviation of its length over sqrt(12). What that does is noise.
 
 **A historian.** Commands that were read now and then were given at some moment in the row before.
-The record tells that it is so, as it shows what the valve has made of a command before it shows the
-command. Then
+The record tells so where the valve moves before a jump out of rest. Then
 
 1. the command is taken to run straight from row to row: a command that moves on slowly did so;
 2. where commands jump, the declared model is run several times with each jump at either end of its
    row, and rows count once all runs come to the same, within the noise.
-
-Of a command that moves all the time nothing is told so: a valve that is quicker than the model is
-ahead of that too. Before a jump out of rest no valve moves.
 """
 
 from collections.abc import Callable
@@ -35,17 +30,14 @@ EVEN = 1e-3
 one clock."""
 
 DRAWS = 8
-"""Number of runs, in each of which every command is drawn anew: what they differ by is known to a
-quarter, and what two jumps leave may cancel in one of them."""
+"""Runs, in each of which every command is drawn anew: what they differ by is known to a quarter."""
 
 AHEAD = 0.2
-"""What the valve has done before the row of a command, as a share of what the command does after
-it, above which commands were read now and then; and what a command may do in the rows beside a
-jump, as a share of that, for the valve to be at rest."""
+"""Share of what a command does that the valve has done before its row, above which commands were
+read now and then; and that a command may do beside a jump, for the valve to be at rest."""
 
 FEWEST = 5
-"""Smallest number of jumps that tell: those before which the model moves by less than AHEAD, as a
-share of what it does next. A valve at rest looks ahead by as much as the model was on its way."""
+"""Smallest number of jumps that tell: those before which the model moves by less than AHEAD."""
 
 
 def commands_may_be_late(experiment: Experiment) -> bool:
@@ -66,8 +58,8 @@ def with_late_commands(experiment: Experiment, rng: np.random.Generator) -> Expe
     """
     Return the experiment with some of its rows, drawn, commanded as the row before them.
 
-    As many as give the delay the standard deviation of one that is anywhere in a row, sqrt(1/12):
-    its square is their share times the share of the others.
+    As many as give the delay the variance of one that is anywhere in a row, 1/12: their share times
+    the share of the others.
     """
     late = 0.5 - np.sqrt(1.0 / 6.0)
     before = np.append(experiment.current[:1], experiment.current[:-1])
