@@ -3,10 +3,9 @@
 """
 From a prepared experiment to a verdict: select, estimate, test, report.
 
-1. `select`: stepwise selection of effects, and of terms without a name, on the training blocks.
+1. `select`: effects, and terms without a name, step by step on the training blocks.
 2. `final_fit`: the declared model and the chosen one to every training row, with intervals.
-3. The test set is opened once. A term without a name that misses it by more than the declared model
-   does is refused; what is told of a named effect is told by its standing.
+3. The test set is opened once: a term without a name that does not stand there is refused.
 4. `Diagnosis`: the outcome as data.
 """
 
@@ -18,8 +17,8 @@ from booster_ros.diagnosis.data.blocks import (
     rows_of, split, split_sweep, training_blocks)
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
-from booster_ros.diagnosis.estimation.parametrisation import Free, get, label
-from booster_ros.diagnosis.estimation.uncertainty import AT_BOUND, at_bound, interval_of
+from booster_ros.diagnosis.estimation.parametrisation import get, label
+from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, beyond, place_of
 from booster_ros.diagnosis.judging.perturbation import chance
@@ -68,8 +67,9 @@ def diagnose(
 
 def _task(experiment: Experiment, declared: PositionerParameters, names: Collection[str],
           places: frozenset[str]) -> Task:
-    drive = next(iter(experiment.pinned.values()), experiment.current) if np.ptp(
-        experiment.current) == 0.0 else experiment.current
+    drive = experiment.current
+    if np.ptp(drive) == 0.0:
+        drive = next(iter(experiment.pinned.values()), drive)
     segments = split_sweep(len(experiment.time)) if experiment.quasi_static else split(
         experiment.time, drive)
     for role, purpose in (('train', 'fit'), ('test', 'judge')):
@@ -222,18 +222,13 @@ def _nameless(place: str, selection: Selection, term: Model, held_out: dict[str,
         standing(share, term.reduced_chi2, False, stands(held_out)), share)
 
 
-def _at_limit(free: Free, z: float) -> bool:
-    """Tell whether a declared parameter ended at either end of what a refit allows."""
-    return any(abs(z - end) < AT_BOUND * abs(end) for end in (free.low, free.high))
-
-
 def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, ...]:
     rows = []
     for j, free in enumerate(task.freedoms):
         name, element = free.knob.parameter, free.element
         looser = after.problem.freedoms[j]  # its prior may be looser beside an effect
         z = looser.variable(get(after.fit.parameters, name, element))
-        at_limit = _at_limit(looser, z)
+        at_limit = at_bound(looser, z)
         low = high = np.nan
         if not at_limit:
             interval = interval_of(after.problem, after.draws, after.fit, j)

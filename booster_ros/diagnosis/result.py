@@ -25,9 +25,8 @@ class FoundEffect:
     """
     An effect that the model lacked; `location` is where it is born.
 
-    `separating_experiment` is the one in the catalogue, empty where the effect has no name.
-    `standing` is 'confirmed', 'likely' or 'candidate' (defined in selection/decide), `explained`
-    the effect's share of what the declared model left beyond noise.
+    `separating_experiment` is empty where it has no name, `standing` is of selection/decide,
+    `explained` its share of what the declared model left beyond noise.
     """
 
     name: str
@@ -52,9 +51,8 @@ class ChannelError:
     """
     Root mean square errors of one channel: parameters as given, refitted, with the effect.
 
-    `left_open` is the standard uncertainty of what the last model predicts that comes of
-    parameters left open by the record, and `unforeseen` is what is left of `after` beyond it. Both
-    are NaN where the record was not met, or too few models were found that meet it.
+    `left_open` is the standard uncertainty of the last model's prediction by what the record leaves
+    open, `unforeseen` what is left of `after` beyond it; NaN where the record was not met.
     """
 
     unit: str
@@ -108,10 +106,9 @@ class Change:
     """
     When the valve changed, s in the record's clock.
 
-    `met` and `missed` are the mean squares, in multiples of the noise's, that the declared model,
-    refitted to what came before, leaves before and from then on. Where the record was `cut` there,
-    the diagnosis is of what came after. `silent` are the channels that stand still from then on
-    while the model moves them.
+    `met` and `missed` are the mean squares, in the noise's, that the declared model, refitted to
+    what came before, leaves before and from then on. The diagnosis of a record that was `cut` there
+    is of what came after. `silent` channels stand still from then on while the model moves them.
     """
 
     time: float
@@ -131,8 +128,7 @@ class Suspect:
 
 
 FAR_OFF = 2.0
-"""Number of standard deviations, of a tolerance or of what is left open, that is more than chance:
-a record does tell a parameter that it has moved so far."""
+"""Standard deviations, of a tolerance or of what is left open, that are more than chance."""
 
 
 @dataclass(frozen=True)
@@ -140,11 +136,10 @@ class Refitted:
     """
     A declared parameter: as given, refitted without and with the effect.
 
-    `spread` is the tolerance within which it was expected, None where nothing was known.
-    `away_before` and `away_after` say by how many tolerances the refits moved it (of a stop, in
-    what it yields). `at_limit` says that the last refit took it to the end of what a refit allows.
-    `low` and `high` are the 95 % interval of `after`, NaN at the limit and where it was not fitted
-    again; `width` is the width of this interval relative to the tolerance's.
+    `spread` is its tolerance, None where nothing was known; `away_before` and `away_after` say by
+    how many of them the refits moved it (of a stop, in what it yields), `at_limit` that the last
+    one took it to the end of its range. `low` and `high` are the 95 % interval of `after`, NaN
+    there and where it was not fitted again, `width` its width relative to the tolerance's.
     """
 
     name: str
@@ -167,7 +162,7 @@ class FalseAdd:
     How often the procedure added something to simulated records of a model that lacks nothing.
 
     Something was added to `gained` of `runs` records; `low` and `high` are the 95 % interval of
-    the rate (Clopper-Pearson); `names` counts what was added.
+    the rate (Clopper-Pearson), `names` counts what was added.
     """
 
     runs: int
@@ -187,8 +182,8 @@ class OtherRecord:
     """
     What there is to say of a record that only judges, beside the errors in it.
 
-    `beyond` is the share of its rows that go beyond the range in which the term without a name was
-    seen. `chance` is that of `Diagnosis`.
+    `beyond` is the share of rows outside the range of the term without a name, `chance` as in
+    `Diagnosis`.
     """
 
     notes: tuple[str, ...]
@@ -203,13 +198,11 @@ class Diagnosis:
     """
     The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
 
-    `unknown` is the table of a term without a name that was added. `refused` is one that did not
-    stand, and is not in the model; `start` is where `after` begins, None for the start of the
-    experiment. `decided` says that the verdict would be another one without the test set. `alike`
-    are models that suit the record as well as `after`, None where they were not sought or too few
-    were found. `chance` is, by channel, by how many standard deviations of the noise two runs of
-    `after` with nearly the same drives differ, empty where they do not. `notes` say what was
-    dropped, mended or assumed.
+    `unknown` is the table of a term without a name that was added, `refused` one that did not
+    stand; `start` is where `after` begins. `decided` says that without the test set the verdict
+    would be another one. `alike` are models that suit the record as well as `after`, None if too
+    few do. `chance` is, by channel, by how many standard deviations of the noise two runs of
+    `after` with nearly the same drives differ. `notes` say what was dropped, mended or assumed.
     """
 
     verdict: str

@@ -26,7 +26,7 @@ WIDEST = 30.0
 """Standard deviation of a size before anything is seen of it, in typical sizes."""
 
 AT_BOUND = 1e-2
-"""Distance of a size from its bound, relative to its range, below which it has run into it, and to
+"""Distance of a size from its bound, as a share of that, below which it has run into it, and to
 which it is told how far it may go."""
 
 
@@ -168,7 +168,5 @@ def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
 
 
 def at_bound(free: Free, z: float) -> bool:
-    """Tell whether a parameter has run into a bound that is not its neutral value."""
-    room = AT_BOUND * (free.high - free.low)
-    return (abs(free.low) > room and z - free.low < room) or (
-        abs(free.high) > room and free.high - z < room)
+    """Tell whether a parameter has run into a bound that is not its neutral value, 0."""
+    return any(abs(z - end) < AT_BOUND * abs(end) for end in (free.low, free.high))

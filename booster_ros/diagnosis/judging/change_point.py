@@ -3,8 +3,7 @@
 """
 A valve that changed while it was recorded: a fitting that comes loose, a sensor that is knocked.
 
-All else here takes a record to be of one valve. Where the valve changed, the model that is found
-is a compromise between the valve before and the valve after, and leaves much. So where a diagnosis
+A model of a valve that changed is a compromise between before and after. So where a diagnosis
 leaves much:
 
 1. refit the declared model to the beginning of the record, which it has to meet to the noise;
@@ -37,13 +36,12 @@ from booster_ros.records import Record, RecordError
 Array = np.ndarray
 
 MUCH = FAR_OFF * FAR_OFF
-"""Mean square, in multiples of the noise's, that a diagnosis has to leave before a change is
-looked for; for the record to be cut, so much has to be left of the used rows."""
+"""Mean square, in the noise's, that a diagnosis has to leave before a change is looked for; for the
+record to be cut, so much has to be left of the used rows."""
 
 A_RECORD = 0.25
-"""Smallest share of the record that tells as a record of its own: of its beginning, which the
-declared model has to meet (a refit to less may imitate what has been missing from the start), and
-of what is left after a change."""
+"""Smallest share that tells as a record of its own, of the beginning and of what is left after a
+change: a refit to less may imitate what has been missing from the start."""
 
 WORTH_CUTTING = 0.5
 """Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
@@ -56,9 +54,8 @@ def since_change(
     """
     Return the diagnosis of the record from where the valve changed, the given one if it did not.
 
-    Where the record is not cut there, as too little of it is left, say, return the given diagnosis
-    with the time of the change. The test set does not decide whether to cut. `judge` is the
-    procedure that diagnoses the rest.
+    Where the record is not cut there, return the given one with the time of the change. The test
+    set does not decide whether to cut. `judge` is the procedure that diagnoses the rest.
     """
     left = _left(diagnosis.error)
     if diagnosis.experiment.quasi_static or not (

@@ -11,6 +11,7 @@ such repeat goes through the whole diagnosis.
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.stats import binomtest
@@ -24,8 +25,6 @@ from booster_ros.diagnosis.prepare.start_state import first_value
 from booster_ros.diagnosis.result import Diagnosis, FalseAdd
 from booster_ros.diagnosis.selection.stepwise import Progress
 from booster_ros.model.system import PositionerParameters
-
-Array = np.ndarray
 
 Diagnose = Callable[[Experiment, PositionerParameters, Progress], Diagnosis]
 
@@ -77,23 +76,14 @@ def repeats(diagnosis: Diagnosis, runs: int, seed: int) -> Iterator[Experiment]:
         if still:
             moved = driven.predict(model)
             truth = {name: values + moved[name] - still[name] for name, values in truth.items()}
-        made = _with_measured(experiment, {
-            name: np.where(np.isfinite(measured), noise[name].added_to(truth[name], rng), np.nan)
-            for name, measured in experiment.measured.items()})
-        # the noise level is estimated anew from each repeat, as it was from the record itself
-        yield replace(made, noise={
-            name: level * noise_of(made.measured[name], calm).level / noise[name].level
+        measured = {
+            name: np.where(np.isfinite(values), noise[name].added_to(truth[name], rng), np.nan)
+            for name, values in experiment.measured.items()}
+        start: dict[str, Any] = {
+            name: first_value(measured[name], experiment.noise[name])
+            for name in ('chamber_pressure', 'valve_position') if name in measured}
+        # start and noise level are told anew by each repeat, as they were by the record itself
+        yield replace(experiment, measured=measured, initial=replace(experiment.initial, **{
+            name: value for name, value in start.items() if value is not None}), noise={
+            name: level * noise_of(measured[name], calm).level / noise[name].level
             if noise[name].level > 0.0 else level for name, level in experiment.noise.items()})
-
-
-def _with_measured(experiment: Experiment, measured: dict[str, Array]) -> Experiment:
-    """Return the experiment with other measurements, and the start that is read from them."""
-    start = experiment.initial
-    if 'chamber_pressure' in measured:
-        pressure = first_value(measured['chamber_pressure'], experiment.noise['chamber_pressure'])
-        if pressure is not None:
-            start = replace(start, chamber_pressure=pressure)
-    if 'valve_position' in measured:
-        start = replace(start, valve_position=first_value(
-            measured['valve_position'], experiment.noise['valve_position']))
-    return replace(experiment, measured=measured, initial=start)
