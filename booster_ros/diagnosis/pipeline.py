@@ -21,7 +21,6 @@ from booster_ros.diagnosis.estimation.parametrisation import get, label
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, beyond, place_of
-from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
@@ -146,8 +145,7 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
         _suspects(selection, chosen), _refitted(task, before, after), task.declared,
         before.fit.parameters, after.fit.parameters, experiment, tuple(task.segments), runs, notes,
         refused=refused, start=after.fit.initial, decided=decided, alike=models,
-        trace=selection.trace,
-        chance=chance(experiment, after.fit.parameters, after.fit.initial))
+        trace=selection.trace)
 
 
 def _pointed_at(selection: Selection) -> tuple[Refused | None, Model]:

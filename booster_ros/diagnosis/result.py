@@ -182,15 +182,13 @@ class OtherRecord:
     """
     What there is to say of a record that only judges, beside the errors in it.
 
-    `beyond` is the share of rows outside the range of the term without a name, `chance` as in
-    `Diagnosis`.
+    `beyond` is the share of rows outside the range of the term without a name.
     """
 
     notes: tuple[str, ...]
     drives: tuple[str, ...]
     channels: tuple[str, ...]
     beyond: float
-    chance: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -201,8 +199,7 @@ class Diagnosis:
     `unknown` is the table of a term without a name that was added, `refused` one that did not
     stand; `start` is where `after` begins. `decided` says that without the test set the verdict
     would be another one. `alike` are models that suit the record as well as `after`, None if too
-    few do. `chance` is, by channel, by how many standard deviations of the noise two runs of
-    `after` with nearly the same drives differ. `notes` say what was dropped, mended or assumed.
+    few do. `notes` say what was dropped, mended or assumed.
     """
 
     verdict: str
@@ -228,7 +225,6 @@ class Diagnosis:
     change: Change | None = None
     alike: tuple[Started, ...] | None = field(default=None, repr=False)
     trace: tuple[TraceStep, ...] = ()
-    chance: dict[str, float] = field(default_factory=dict)
 
     @property
     def added(self) -> bool:

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The notes of a report: what to keep in mind of the record, of the answer, and of another one."""
 
-from collections.abc import Mapping
-
 from booster_ros.diagnosis.hypotheses.discrepancy import label_of
 from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, FoundEffect, OtherRecord
 from booster_ros.model.catalogue import EFFECTS
@@ -16,7 +14,7 @@ def notes(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Return what was dropped, mended or assumed, and what to keep in mind of the answer."""
     other = diagnosis.other
     return (*diagnosis.notes, *_cornered(diagnosis), *filter(None, map(either, diagnosis.effects)),
-            *_replaced(diagnosis), *_chance(diagnosis.chance, 'this record'),
+            *_replaced(diagnosis),
             *(_of_other_record(diagnosis, other) if other else ()))
 
 
@@ -51,21 +49,10 @@ def _replaced(diagnosis: Diagnosis) -> tuple[str, ...]:
             'longer in the model: a model holds one, and the one that was found took its place',)
 
 
-def _chance(shares: Mapping[str, float], part: str) -> tuple[str, ...]:
-    """Return a sentence where a stem sticks and slips at moments that cannot be foretold."""
-    if not shares:
-        return ()
-    figures = ' and '.join(f'{share:.2g} in {name}' for name, share in shares.items())
-    return (f'when the stem slips is partly chance: on {part} two runs of the model whose drive '
-            f'differs by a millionth of its range differ by (multiples of the noise) {figures}, '
-            'and with the right parameters it would miss the valve by as much; the intervals '
-            'of the friction do not count that in',)
-
-
 def _of_other_record(diagnosis: Diagnosis, other: OtherRecord) -> tuple[str, ...]:
     return (*(f'the other record: {note}' for note in other.notes),
             *_of_other_channels(diagnosis, other), *_beyond(diagnosis, other),
-            *_in_another_phase(diagnosis), *_chance(other.chance, 'the other record'))
+            *_in_another_phase(diagnosis))
 
 
 def _of_other_channels(diagnosis: Diagnosis, other: OtherRecord) -> tuple[str, ...]:

@@ -10,7 +10,6 @@ from booster_ros.diagnosis.data.experiment import Experiment, Initial
 from booster_ros.diagnosis.estimation.fit import fit
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.judging.prediction_uncertainty import with_left_open
-from booster_ros.diagnosis.judging.perturbation import chance
 from booster_ros.diagnosis.prepare.start_state import FIRST_SECONDS
 from booster_ros.diagnosis.result import Diagnosis, OtherRecord, errors_of
 from booster_ros.diagnosis.hypotheses.discrepancy import beyond
@@ -34,8 +33,7 @@ def validated(
     unknown = diagnosis.unknown
     outside = beyond(covered(unknown), experiment, diagnosis.after, starts[-1]) if unknown else 0.0
     return replace(diagnosis, validation=errors, other=OtherRecord(
-        notes, experiment.drives, experiment.channels, float(np.mean(outside)),
-        chance(experiment, diagnosis.after, starts[-1])))
+        notes, experiment.drives, experiment.channels, float(np.mean(outside))))
 
 
 def _start(experiment: Experiment, parameters: PositionerParameters) -> Initial:
