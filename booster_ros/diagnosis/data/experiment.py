@@ -109,12 +109,11 @@ class Experiment:
     runs straight to its value in these. It is what `command` names: a control current, A, for the
     E/P converter, or a set point, m, for the position controller, which is off otherwise. `pinned`
     channels drive what is downstream of them instead of the model's own states; `measured` channels
-    are compared, NaN where a row does not count; `noise` is the standard deviation of each measured
-    channel's noise, `drive_noise` the noise of the pinned ones, where it counts. A `quasi_static`
-    experiment is a sweep without a clock: its time only counts rows. The time of any other counts
-    from `begins`, s in the record's clock. `notes` say what was left out and assumed; `tolerance`
+    are compared, NaN where a row does not count. `noise` is the standard deviation of each one's
+    noise, `drive_noise` that of the pinned ones, `chance` what of it the valve leaves to chance. A
+    `quasi_static` experiment is a sweep, whose time counts rows; that of any other counts from
+    `begins`, s in the record's clock. `notes` say what was left out and assumed; `tolerance`
     multiplies that of the solver. A controller samples every `least_period` s at the shortest.
-    `chance` tells what of the noise of measured channels the valve itself leaves to it.
     """
 
     time: Array

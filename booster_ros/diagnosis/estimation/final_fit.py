@@ -4,8 +4,8 @@
 The final estimate of a chosen model: every training row, to the very end, and how sure it is.
 
 Where variables do nearly the same they make a valley, as the E/P converter's offset and the
-preloads of both seats do: only the prior of the offset tells where in it a fit has to end. So
-slopes are formed along its axes at last, and a step goes to its bottom.
+preloads of both seats do. So slopes are formed along its axes at last, and a step goes to its
+bottom.
 """
 
 from dataclasses import dataclass, replace
@@ -23,8 +23,7 @@ from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 Array = np.ndarray
 
 ROUNDS = 3
-"""Times that axes are formed from the slopes along those before: two leave a valley with slopes of
-0.4 where its own are 0.005, on processors whose rounding begins them with 8."""
+"""Times that axes are formed: on some processors two leave slopes of 0.4 in a valley of 0.005."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +37,7 @@ class FinalFit:
 
 def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
     """
-    Return the estimate from z, or from there with the declared parameters as given, the better one.
+    Return the estimate from z, or from there with the declared parameters as given, if better.
 
     Sizes of effects that the rows do not show are put back to none.
     """
@@ -77,16 +76,13 @@ def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array) -
 
     `here` are the residuals at z, `columns` their Jacobian there by one-sided differences.
 
-    Columns of one-sided differences bend by a percent over their steps. Where variables do nearly
-    the same, that percent is more than what differs between them, and what the rows cannot tell
-    looks as if they told it well. Along an axis the step is as long as is needed to see that axis.
+    Columns of one-sided differences bend by a percent over their steps, which is more than what
+    differs between variables that do nearly the same. Along an axis the step is as long as is
+    needed to see that axis; as the axes are off as well, it is done ROUNDS times.
 
     A size that is none stands at its bound. Where a bound is in the way on one side of an axis,
     the difference is formed on the other, of second order. Where bounds are in the way on both,
     variables that would go over theirs are left out of the step, and their own columns count.
-
-    The axes of a Jacobian that is a percent off are off as well. So it is done again with what came
-    of it, ROUNDS times in all.
     """
     for _ in range(ROUNDS):
         columns = _along_axes(problem, z, here, columns)

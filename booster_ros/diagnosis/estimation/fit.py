@@ -23,8 +23,7 @@ FIRST_STEPS = 4
 """Steps of a descent that only tells which way things go."""
 
 NOTICEABLE = 1.0
-"""Change of the residuals (norm), or of the cost, that is no more than chance: one standard
-deviation of the noise, half a unit of log likelihood."""
+"""Change of the residuals (norm), or of the cost, that is no more than chance: one of noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +58,7 @@ def fit(problem: Problem, starts: Sequence[Array] = (), evaluations: int = EVALU
     Return the best of the descents of a problem from several starts (default: as given).
 
     A descent ends where cost and variables change by less than `tolerance` (relative), or after so
-    many evaluations: after FIRST_STEPS it tells which way things go, and is no estimate. `slopes`
-    is a Jacobian to begin with, which need not be quite that of the starts.
+    many evaluations. `slopes` is a Jacobian to begin with, not quite that of the starts.
     """
     low, high = problem.bounds()
     margin = 1e-6 * np.minimum(high - low, 1.0)
@@ -79,8 +77,7 @@ def carried(target: Problem, *sources: Fit) -> Array:
     """
     Return z of `target` with the values that its parameters have in the sources: a warm start.
 
-    Later sources count before earlier ones; the variables of the start are those of the first.
-    Parameters in none of them stand at z = 0, as given.
+    Later sources count before earlier ones, for the start the first; what is in none stands at 0.
     """
     known = {(f.knob.parameter, f.element): z for source in sources
              for f, z in zip(source.freedoms, source.z)}
@@ -94,8 +91,7 @@ def nominal(problem: Problem, z: Array) -> Array:
     """
     Return z with only the effects kept: declared parameters and start as given.
 
-    Before an effect was in the model, the declared parameters had imitated it. Those that a record
-    hardly shows come back from there only in tiny steps.
+    Those had imitated an effect before it was in the model, and come back only in tiny steps.
     """
     fresh = z.copy()
     fresh[len(problem.freedoms):] = 0.0

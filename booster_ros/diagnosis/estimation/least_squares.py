@@ -3,14 +3,13 @@
 """
 Least squares where a Jacobian costs a simulation per variable.
 
-scipy's trust region reflective method, with a Jacobian that is formed anew as rarely as can be.
-The Jacobian is
+scipy's trust region reflective method, with a Jacobian that is
 
 1. formed by differences where the descent begins;
-2. after a step that it foresaw well, corrected by what the step showed: by the smallest change
-   that agrees with the step (Broyden's update). After any other step it is formed anew;
-3. formed anew where the descent ends with a corrected one, and the descent goes on from there: an
-   end is an end only if the slopes of that very place say so.
+2. after a step that it foresaw well, corrected by the smallest change that agrees with the step
+   (Broyden's update), after any other formed anew;
+3. formed anew where the descent ends with a corrected one: an end is an end only if the slopes of
+   that very place say so.
 
 C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Mathematics of
 Computation 19 (1965) 577-593.
@@ -27,23 +26,18 @@ Residuals = Callable[[Array], Array]
 Differences = Callable[[Array, Array, Array | None], Array]
 
 FORESEEN = 0.1
-"""Largest share of the residuals' change over a step that a Jacobian misses if it foresaw the
-step."""
+"""Largest share of the residuals' change that a Jacobian misses if it foresaw the step."""
 
 CONVERGED, SETTLED = 1e-4, 3e-6
-"""
-Relative change of the cost, and of the variables, at which a descent ends: the first where models
-are compared, the second for a model that is handed on. 1e-4 of the squared errors of thousands of
-rows is as much as one or two standard deviations of a parameter that this record hardly shows, and
-another record may show.
-"""
+"""Relative change of cost and variables at which a descent ends: the first where models are
+compared, the second for a model that is handed on, as 1e-4 of the squared errors of thousands of
+rows may be two standard deviations of a parameter that this record hardly shows."""
 
 NO_STEP = 1e-9
 """Length below which steps are rounding, and say nothing of slopes."""
 
 _SHIFT = 5.0
-"""Shift that is added to all variables. The first trust region is as large as the variables, and
-without the shift a start near zero would be taken for a wish to move in small steps."""
+"""Shift that is added to all variables: the first trust region is as large as they are."""
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,9 @@
 Observation models: what of a record a fit is made to meet.
 
 `ROWS` is every reading. `WINDOWS` are statistics of windows of a second: the mean of each, and the
-logarithm of the variance of what moves within it. A stem that sticks slips at moments that hang on
-the last digits of its friction. Single readings then say little, and their sum of squares is rough;
-the statistics say how much friction there is and how far slips go, and are smooth (a synthetic
-likelihood: S. N. Wood, Nature 466 (2010) 1102).
+logarithm of the variance of what moves within it. When a stem slips hangs on the last digits of its
+friction: single readings say little of it, and roughly; the statistics say how much friction there
+is and how far slips go (a synthetic likelihood: S. N. Wood, Nature 466 (2010) 1102).
 
 Both take what the model leaves of the readings, in standard deviations of the noise, channel by
 channel, and return what a fit minimises the squares of.
@@ -25,8 +24,7 @@ from booster_ros.diagnosis.data.experiment import NO_CHANCE, Chance
 Array = np.ndarray
 
 WINDOW = 1.0
-"""Length of a window, s: many slips of a stem that sticks come in it, and few moves of the
-valve."""
+"""Length of a window, s: many slips of a stem come in it, and few moves of the valve."""
 
 SCATTER = 0.25
 """What one slip more or less in a window changes in its strength, in natural logarithms."""
@@ -43,8 +41,7 @@ class Windows:
     Rows of a channel in windows: time in s and readings in standard deviations of the noise.
 
     Both have the shape (rows,); `window` says to which window each row belongs, `first` and
-    `count` say for each window which is its first row and how many it has. `chance` says what of
-    the noise is none of the sensor.
+    `count` which is the first row of each and how many it has.
     """
 
     time: Array
@@ -149,10 +146,9 @@ class Observation:
     """
     What of the readings of a channel counts.
 
-    `of` makes its residuals of the scaled residuals of its rows. `first_rows` are, of each series
-    of them, the first of the counted rows each is from: within a series residuals may be
-    autocorrelated. `visible` is the change of the residuals (norm) that a difference has to make,
-    to show above their roughness.
+    `of` makes its residuals of the scaled residuals of its rows, in series, of which `first_rows`
+    are the counted rows each begins with. `visible` is the change of the residuals (norm) that a
+    difference has to make to show above their roughness.
     """
 
     name: str

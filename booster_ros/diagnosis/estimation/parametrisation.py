@@ -62,8 +62,8 @@ class Free:
         Return the standard deviation of z before anything is seen, for the evidence at z.
 
         A size of an effect is of the order of its typical size, or larger with the tail of a Cauchy
-        distribution; a shape is so about its typical value, and neither is beyond its range. The
-        Gaussian that has the density of that at z has this standard deviation.
+        distribution, a shape so about its typical value, both within their range. It is that of
+        the Gaussian with the same density at z.
         """
         if np.isfinite(self.sigma):
             return self.sigma
@@ -102,11 +102,11 @@ def put(p: PositionerParameters, name: str, value: float, element: int | None = 
     """Return the parameters with one of them, by its dotted name, changed."""
     component, attribute = name.split('.')
     content = getattr(p, component)
-    if element is not None:
-        elements = list(getattr(content, attribute))
-        elements[element] = value
-        return p._replace(**{component: content._replace(**{attribute: tuple(elements)})})
-    return p._replace(**{component: content._replace(**{attribute: value})})
+    if element is None:
+        return p._replace(**{component: content._replace(**{attribute: value})})
+    elements = list(getattr(content, attribute))
+    elements[element] = value
+    return p._replace(**{component: content._replace(**{attribute: tuple(elements)})})
 
 
 def get(p: PositionerParameters, name: str, element: int | None = None) -> float:
@@ -123,8 +123,7 @@ def possible_departures(p: PositionerParameters) -> set[str]:
 
 
 # Relative and absolute (SI) spread within which a declared parameter may be off, and element of a
-# list; the bounds lie at five times the spread. For parameters that only scale speed the spread is
-# wider than makers' tolerances on purpose.
+# list; the bounds lie at five times the spread. What only scales speed is wider on purpose.
 _DECLARED: tuple[tuple[str, float, float, int | None], ...] = (
     ('ep_converter.gain', 0.02, 0.0, None),
     ('ep_converter.offset', 0.0, 2e3, None),
@@ -158,8 +157,8 @@ BENCH_RANGE = 20.0
 """Factor by which the bench may find these two off what was declared, up or down."""
 
 SOFTEST_STOP, HARDEST_STOP = 0.4, 10.0
-"""Bounds of the stiffness of the end stops, as shares of the declared one: below the first it is a
-soft seat, above the second no sensor sees the stops yield."""
+"""Bounds of the stiffness of the stops, as shares of the declared one: softer it is a soft seat,
+harder no sensor sees them yield."""
 
 
 def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Free]:
@@ -192,8 +191,7 @@ def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Fr
 
 
 LOOSENED = 3.0
-"""Factor by which the prior and the bounds of a declared parameter widen beside an effect that
-makes it less well known."""
+"""Factor by which a declared parameter's prior and bounds widen beside an effect that says so."""
 
 
 def loosened(free: Free, effect: Effect) -> Free:

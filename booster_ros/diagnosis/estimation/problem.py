@@ -33,9 +33,8 @@ from booster_ros.model.system import PositionerParameters
 Array = np.ndarray
 
 DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
-"""First step in z of the Jacobian's differences, and the bounds of later ones: a step changes the
-residuals by `Observation.visible` (norm). Below the smallest the solver's own error shows, above
-the largest columns bend."""
+"""First step in z of the Jacobian's differences, and the bounds of later ones, which change the
+residuals by `Observation.visible` (norm)."""
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
@@ -46,10 +45,8 @@ START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
 """Bounds of the same variables to either side: a place in a play is -1 to 1 by definition."""
 
 GRID = 2.0**-27
-"""
-Distance between values of z with which the model is run. Linear algebra rounds differently from
-processor to processor, and where the stem sticks a difference in the last bit becomes another slip.
-"""
+"""Distance between values of z with which the model is run: processors round differently, and where
+the stem sticks a difference in the last bit becomes another slip."""
 
 FAR = 1e3
 """Scaled residual where the model cannot run: large, finite, flat, so that a fit turns away."""
@@ -175,8 +172,7 @@ class Problem:
         """
         Return d(residuals)/dz by one-sided differences, columns side by side.
 
-        `here` are the residuals at z; `before` is an earlier Jacobian, which tells how far to step
-        in each variable.
+        `here` are the residuals at z; an earlier Jacobian `before` tells how far to step.
         """
         steps = np.full(len(z), self.first_step) if before is None else self.steps_for(
             np.linalg.norm(before, axis=0))
@@ -216,8 +212,7 @@ class Problem:
         """
         How far to step for differences, in z, where no slope is known.
 
-        Where chance makes steps in the residuals, what lies beyond several of them tells which way
-        to go: a typical size of an effect, a standard deviation of what is known beforehand.
+        Where chance makes steps in the residuals, what lies beyond several of them tells the way.
         """
         return 1.0 if self._rough else DIFFERENCE
 

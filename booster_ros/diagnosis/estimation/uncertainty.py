@@ -35,9 +35,8 @@ class Interval:
     """
     A value with its 95 % interval.
 
-    With `open_above` anything from `low` up may be true, and none as well: a stiffness of none, or
-    a restriction of none, is 0, and stands beyond all that is large. `high` is then the largest
-    that is looked for.
+    With `open_above` anything from `low` up may be true, and none as well, as of a stiffness, whose
+    none is 0 and stands beyond all that is large; `high` is then the largest that is looked for.
     """
 
     value: float
@@ -65,10 +64,9 @@ def block_bootstrap(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
     be as coloured as they like within a block. The value that is expected of a declared parameter
     is drawn too, from its prior: what an effect trades with it is as unsure as that.
 
-    Shapes are drawn with all else free; all else is drawn with the shapes as they were found.
-    Drawn together they would run along a line through nonsense: a drift of half the size in half
-    the time is the same drift while it is young, and where the size is none the shape means
-    nothing.
+    Shapes are drawn with all else free; all else is drawn with the shapes as they were found:
+    together they would run through nonsense, as a drift of half the size in half the time is the
+    same drift while it is young.
     """
     label = block_of_row[np.concatenate(problem.first_rows)]
     residual, jacobian, data = fit.residuals, fit.jacobian, problem.observed
@@ -107,8 +105,7 @@ def _held_back(hessian: Array, gradient: Array, room: Array) -> Array:
     """
     Return by how much bounds hold back a Gauss-Newton step; `room` are its least and most.
 
-    A size at its bound would go on beyond it, and all else with it. Draws around where it would
-    go say that it is none with certainty; around where it has to stay, how much it may be.
+    A size at its bound would go on beyond it, and draws around there say that it is none for sure.
     """
     # of a record with next to no noise, rounding leaves less of the flattest axes than the ridge
     squares, axes = np.linalg.eigh(hessian)
@@ -124,15 +121,11 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> Interva
     """
     Return the value and 95 % interval of a parameter, within its bounds.
 
-    The interval is as long to either side, in z, as 95 % of the draws are off the fit. Of a few
-    segments, some tell a parameter far better than others, and draws are skewed: their own 2.5 and
-    97.5 % quantiles are off to the wrong side then, and hold the truth less often (Hall, 1992, The
-    Bootstrap and Edgeworth Expansion, section 3.5). A fit that stopped early has draws around a
-    step away from it: the interval holds both.
-
-    The interval of a variable that shows nowhere where it stands, such as the lift of a seat that
-    is never reached, goes to where the rows would notice it (profile likelihood, all else as it
-    is). That of a stiffness or restriction that may as well be none is open above.
+    The interval is as long to either side, in z, as 95 % of the draws are off the fit: quantiles of
+    skewed draws are off to the wrong side (Hall, 1992, The Bootstrap and Edgeworth Expansion,
+    section 3.5). Of a variable that shows nowhere, such as the lift of a seat that is never
+    reached, it goes to where the rows would notice it (profile likelihood, all else as it is). That
+    of a stiffness or restriction that may as well be none is open above.
     """
     free = problem.freedoms[index]
     if np.linalg.norm(fit.jacobian[:, index]) < NOTICEABLE:

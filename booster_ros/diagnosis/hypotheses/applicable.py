@@ -4,8 +4,7 @@
 Which effects an experiment can show at all, and which declared parameters.
 
 A measured channel that drives the model cuts off everything upstream of it, a sensor that was not
-recorded has no error, and a sweep without a clock knows no delays. Trying those effects anyway
-costs time and invites coincidences: in a sweep a lag looks like friction.
+recorded has no error, and a sweep without a clock knows no delays: in it a lag looks like friction.
 """
 
 import numpy as np
@@ -56,25 +55,20 @@ def _shows(effect: Effect, experiment: Experiment) -> bool:
     noise = experiment.drive_noise.get(effect.driven_by, DriveNoise(0.0)).level
     if effect.driven_by and np.var(experiment.pinned.get(effect.driven_by, 0.0)) <= 2.0 * noise**2:
         return False
-    compared = experiment.channels
-    chamber_follows = 'chamber_pressure' not in experiment.pinned
-    if effect.location == 'sensor':
-        return effect.reading in compared
-    if effect.location == 'stem':
-        moves_what_follows = 'mass_flow' in compared and chamber_follows
-        return bool({'valve_position', 'chamber_pressure'} & {*compared}) or moves_what_follows
-    if effect.location == 'chamber':
-        return chamber_follows
-    if effect.location == 'position_controller':
-        return experiment.in_loop
-    commanded = bool({*COMMANDS} & {*experiment.drives})
-    if effect.location == 'ep_converter':
-        return commanded
-    # effects left are around the booster: they act where something drives it and its flow counts
-    driven = commanded or 'back_pressure' in experiment.pinned
-    if effect.location == 'supply' and 'supply_pressure' in experiment.pinned:
-        return False
-    return driven and (chamber_follows or 'mass_flow' in compared)
+    compared, pinned = {*experiment.channels}, experiment.pinned
+    chamber_follows = 'chamber_pressure' not in pinned
+    commanded = not {*COMMANDS}.isdisjoint(experiment.drives)
+    flows = chamber_follows or 'mass_flow' in compared
+    at_booster = flows and (commanded or 'back_pressure' in pinned)
+    return {
+        'sensor': effect.reading in compared,
+        'stem': not compared.isdisjoint(('valve_position', 'chamber_pressure')) or (
+            chamber_follows and 'mass_flow' in compared),
+        'chamber': chamber_follows,
+        'position_controller': experiment.in_loop,
+        'ep_converter': commanded,
+        'supply': at_booster and 'supply_pressure' not in pinned,
+    }.get(effect.location, at_booster)
 
 
 def free_to_refit(declared: PositionerParameters, experiment: Experiment) -> tuple[Free, ...]:
@@ -97,15 +91,12 @@ def _acts(parameter: str, declared: PositionerParameters) -> bool:
 
 def matters(parameter: str, experiment: Experiment) -> bool:
     """Tell whether a declared parameter, by its dotted name, can change what is compared."""
-    component = parameter.split('.')[0]
-    if experiment.is_slow or (component == 'position_controller' and not experiment.in_loop):
+    component, pinned = parameter.split('.')[0], experiment.pinned
+    if experiment.is_slow:
         return False
-    if component == 'actuator' and experiment.is_flow_bench:
-        return False
-    if component == 'supply' and 'supply_pressure' in experiment.pinned:
-        return False
-    if component == 'ep_converter' and 'back_pressure' in experiment.pinned:
-        return False
-    if 'chamber_pressure' in experiment.pinned and not experiment.is_flow_bench:
+    if 'chamber_pressure' in pinned and not experiment.is_flow_bench:
         return component == 'actuator' and parameter not in OF_THE_CHAMBER
-    return True
+    return not {
+        'position_controller': not experiment.in_loop, 'actuator': experiment.is_flow_bench,
+        'supply': 'supply_pressure' in pinned, 'ep_converter': 'back_pressure' in pinned,
+    }.get(component, False)

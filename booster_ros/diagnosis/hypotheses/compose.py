@@ -4,7 +4,7 @@
 
 from dataclasses import replace
 
-from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS, Observation
+from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.parametrisation import about, effect_freedom, loosened, put
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.actuator import has_dry_friction
@@ -32,13 +32,9 @@ def with_effects(problem: Problem, effects: tuple[str, ...]) -> Problem:
     """Return the problem with all these effects free; KeyError for one not in the catalogue."""
     for name in effects:
         problem = with_effect(problem, EFFECTS[name])
-    return replace(problem, observation=_observation_of(problem, effects))
-
-
-def _observation_of(problem: Problem, effects: tuple[str, ...]) -> Observation:
-    """Return the observation model that the residuals of a model with these effects need."""
     slips = has_dry_friction(problem.base.actuator) or any(EFFECTS[name].rubs for name in effects)
-    return WINDOWS if slips and not problem.experiment.quasi_static else ROWS
+    return replace(problem, observation=(
+        WINDOWS if slips and not problem.experiment.quasi_static else ROWS))
 
 
 def redundant(name: str, present: tuple[str, ...]) -> bool:

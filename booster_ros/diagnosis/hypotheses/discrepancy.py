@@ -5,9 +5,8 @@ A discrepancy without a name: which component lacks what, as a function of what.
 
 A tabulated term (model/discrepancy) is tried in every component over the variables that a missing
 effect there would depend on. Its values enter nearly linearly, so one simulation per knot and one
-linear solve, with the declared parameters reacting, tell what each term can reach. A term that
-follows a change is tried with a few times of memory, one that follows a play with a few widths of
-it, and each is fitted from the best of them.
+linear solve, with the declared parameters reacting, tell what each term can reach. What follows a
+change, or a play, is tried with a few times of memory, or widths.
 """
 
 from dataclasses import dataclass, replace
@@ -30,9 +29,8 @@ from booster_ros.records.holding import bridged
 
 Array = np.ndarray
 
-# For each component, a size of a term that a record shows, and what the term may depend on. The
-# commoner kind comes first: chambers leak more often than a relay's forces depend on the pressure
-# behind it.
+# For each component, a size of a term that a record shows, and what the term may depend on, the
+# commoner kind first: chambers leak more often than a relay's forces depend on what is behind it.
 _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
     (term.EP_CONVERTER, 1e3, (term.CONTROL_CURRENT, term.CURRENT_CHANGE, term.TIME)),
     (term.EP_CONVERTER_LAG, 1.0, (term.BACK_PRESSURE_ERROR,)),
@@ -51,19 +49,16 @@ _TERMS: tuple[tuple[int, float, tuple[int, ...]], ...] = (
 )
 
 TIMES_OF_MEMORY = (0.4, 3.0, 12.0, 48.0)
-"""Times of memory that are tried of a term over a change, s: a fit goes on from the best."""
+"""Times of memory that are tried of a term over a change, s."""
 
 REACHES = (0.003, 0.01, 0.03)
-"""Half-widths that are tried of a play of the booster's force, N, in the paper's booster, as times
-of memory are tried."""
+"""Half-widths that are tried of a play of the booster's force, N, in the paper's booster."""
 
 WIDER = 10.0
-"""How many times as short or as long as those that are tried a fitted memory or half-width may
-be."""
+"""How many times as short or long as those tried a fitted memory or half-width may be."""
 
 ROUNDING = 1e-6
-"""Share of a variable that hardly changes, by which knots are apart: rounding shifts none over
-another."""
+"""Share of a variable that hardly changes, by which knots are apart at the least."""
 
 UNNAMED = 'unknown: '
 """Prefix of the label of a term, where models are listed by their effects."""
@@ -74,8 +69,7 @@ _PLACES = {
 """Locations as reports print them, where they differ from the table's."""
 
 MUCH_SLOWER = times_as_slow(-QUICKEST)
-"""How many times as slow a converter is taken to be, at the most, where it is asked how far its
-back pressure may have to go: about ten."""
+"""How many times as slow a converter may be, for how far its back pressure has to go: about ten."""
 
 CROWDED = 4.0
 """Power with which knots about zero lie further apart the further off they are."""
@@ -148,11 +142,9 @@ def with_term(problem: Problem, reference: Fit, one: Term) -> Problem:
     """
     Return the problem with the table's inner values and its past free, over the range in its rows.
 
-    The range is that of the variable as measured, where it can be: a model without the term may
-    stay within half of that. What a sensor lacks may hide part of the range, as where it has
-    reached its end: for its terms, the range that the parameters as given lead through counts as
-    well. The table is zero beyond its range, and a run that leaves the range comes back with a
-    chamber that knows nothing of the term. For a play, it is that of the play itself.
+    The range is that of the variable as measured, where it can be, and for a play that of the play.
+    As a sensor may have reached its end, for its terms that of the parameters as given counts too.
+    The table is zero beyond its range.
     """
     p, past = problem.base._replace(discrepancy=Discrepancy(one.location, one.variable)), []
     if one.past is not None:

@@ -3,10 +3,9 @@
 """
 The upstream subsystem: the positioner above its stem, driven by the measured stem.
 
-Packing friction makes a record nearly unpredictable in detail: which slip comes when decides what
-follows. A model of the part above the stem, driven by the measured current and the measured
-position, knows no friction: it tells what lies above the stem, in a fraction of the time
-(open-loop identification of a subsystem with a measured interface variable).
+Packing friction makes a record nearly unpredictable in detail. A model of the part above the stem,
+driven by the measured current and position, knows no friction: it tells what lies above the stem,
+in a fraction of the time (identification of a subsystem with a measured interface variable).
 """
 
 from dataclasses import replace
@@ -23,8 +22,7 @@ WINDOW = 11
 """Rows over which the measured position is smoothed, so that it has a velocity."""
 
 THINNING = 3
-"""Fits of this part use every third row: a position that drives the model needs its rows closer
-together than a current that stands."""
+"""Fits of this part use every third row: a position that drives needs closer rows."""
 
 _PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
 
@@ -34,18 +32,17 @@ def upstream(experiment: Experiment) -> Experiment | None:
     Return the experiment with position and velocity as drives and the pressure compared.
 
     None where position or pressure was not measured, where a channel within drives the model, in a
-    sweep without a clock, or where rows are too few or too far apart for it. Nor behind a position
-    controller: beside a measured stem nothing takes back what its integral part adds up.
+    sweep, or where rows are too few or too far apart; nor behind a position controller, of which
+    nothing beside a measured stem takes back what its integral part adds up.
     """
-    both = {'chamber_pressure', 'valve_position'} <= set(experiment.measured)
-    if not both or experiment.pinned_within or experiment.quasi_static or experiment.in_loop:
-        return None
-    if not np.isfinite(experiment.measured['valve_position']).any():
+    position = experiment.measured.get('valve_position', np.empty(0))
+    if ('chamber_pressure' not in experiment.measured or not np.isfinite(position).any()
+            or experiment.pinned_within or experiment.quasi_static or experiment.in_loop):
         return None
     interval = np.diff(experiment.time)
     if len(interval) < 10 * WINDOW or np.max(interval) > 4.0 * np.median(interval):
         return None
-    whole = bridged(experiment.time, experiment.measured['valve_position'])
+    whole = bridged(experiment.time, position)
     step = float(np.median(interval))
     return replace(
         experiment,

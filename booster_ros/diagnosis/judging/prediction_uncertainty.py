@@ -3,10 +3,9 @@
 """
 What a record leaves open of its model, and by how much predictions may be off for that alone.
 
-A record tells parameters only to their intervals. Data that depend on what it hardly shows, such
-as a largest area that none of its steps needed, are missed by as much as models within these
-intervals differ there, though none of these models lacks anything. So, where the fitted rows are
-met,
+Data that depend on what a record hardly shows, such as a largest area that none of its steps
+needed, are missed by as much as models within the intervals of its parameters differ there, though
+none of them lacks anything. So, where the fitted rows are met,
 
 1. draw parameters as the record leaves them open, as for their intervals: by a bootstrap of its
    blocks and of what was expected; shapes of effects stay as they were found;
@@ -33,8 +32,8 @@ from booster_ros.diagnosis.result import FAR_OFF, ChannelError, Started
 Array = np.ndarray
 
 BY_CHANCE = 10.0
-"""Change of the cost for each variable up to which it is taken for chance: one where residuals are
-white, and some times that where they are coloured."""
+"""Change of the cost for each variable up to which it is taken for chance: coloured noise makes it
+some times one."""
 
 MODELS = 32
 """Number of models that are run: they tell what is left open to 13 %, two times of three."""

@@ -4,8 +4,7 @@
 Gaps of what drives a model: which rows after a gap show what went on in it.
 
 A run goes on through a gap with the current as it last stood, and with measured drives on a
-straight line across. What really drove the valve meanwhile shows in its chamber until the chamber
-has caught up, and is nothing that the model lacks.
+straight line. What really drove the valve meanwhile shows until its chamber has caught up.
 """
 
 from collections.abc import Mapping, Sequence
@@ -49,8 +48,7 @@ def caught_up(
     Tell of each row, shape (n,), whether it shows nothing of what went on in a gap before it.
 
     The declared model is driven in every gap once with the least that the record has of each drive
-    and once with the most. Both runs come to the same, within the noise, only once the chamber has
-    caught up.
+    and once with the most. Both come to the same, within the noise, once the chamber has caught up.
     """
     counts = np.ones(len(experiment.time), dtype=bool)
     if not gaps:

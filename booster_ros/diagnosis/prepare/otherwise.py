@@ -9,7 +9,6 @@ What a record may be instead of what it says: a table of suppositions, judged by
 | pressures are in mbar | a hundred times as much | they are far below the supply |
 | pressures are absolute | an atmosphere less | they are never below the atmosphere |
 | the supply is another one's | the supply as declared | the chamber rises above the measured one |
-| the current is reversed | a current less the recorded one | pressure falls as it rises |
 | the position is reversed | its negative | there is a position |
 
 Fitted all the same, such a record comes out as an effect, as absolute pressure does as a process
@@ -23,12 +22,9 @@ import itertools
 
 import numpy as np
 from scipy.constants import day, hour, micro, milli, minute, nano
-from scipy.optimize import minimize_scalar
-from scipy.stats import spearmanr
 
 from booster_ros.diagnosis.data.experiment import Experiment, rmse
-from booster_ros.diagnosis.estimation.parallel import side_by_side
-from booster_ros.diagnosis.prepare.plausibility import LITTLE, driven, known, stem_alone
+from booster_ros.diagnosis.prepare.plausibility import LITTLE, driven, known
 from booster_ros.diagnosis.prepare.rows import DWELL_FILLED, check_length
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
@@ -54,10 +50,6 @@ USUAL_STEP = (1e-3, 1.0)
 FEW = 400
 """Rows that tell how the declared model does where it has settled in each: months in microseconds
 are not run through."""
-
-STARTS = 41
-"""Currents, over twice what opens the converter fully, of which the best begins the search for the
-least current: all but a few leave the valve shut or open."""
 
 
 def is_otherwise(recorded: Experiment, taken: Experiment, declared: PositionerParameters) -> bool:
@@ -143,22 +135,9 @@ def _absolute(experiment: Experiment, declared: PositionerParameters) -> Iterato
             if np.min(values) > (1.0 - LITTLE) * ATMOSPHERE]
     for names in itertools.chain(*(
             itertools.combinations(high, n) for n in range(1, len(high) + 1))):
-        said = (f'{" and ".join(names)}: the declared model moves as measured with an atmosphere '
-                'less, which looks like absolute pressure: subtract that of the atmosphere')
-        yield experiment, _with_pressures(experiment, names, 1.0, ATMOSPHERE), said
-        if names == ('chamber_pressure',) and _an_atmosphere_above(experiment, declared):
-            # above a booster with a dead band no atmosphere is steady: the stem tells
-            alone = stem_alone(experiment)
-            yield alone, _with_pressures(alone, names, 1.0, ATMOSPHERE), said
-
-
-def _an_atmosphere_above(experiment: Experiment, declared: PositionerParameters) -> bool:
-    """Tell whether the chamber is nearer the declared model with an atmosphere less."""
-    if not {'chamber_pressure', 'valve_position'} <= set(experiment.measured):
-        return False
-    above = experiment.measured['chamber_pressure'] - experiment.predict(
-        declared)['chamber_pressure']
-    return float(np.nanmedian(above)) > 0.5 * ATMOSPHERE
+        yield experiment, _with_pressures(experiment, names, 1.0, ATMOSPHERE), (
+            f'{" and ".join(names)}: the declared model moves as measured with an atmosphere '
+            'less, which looks like absolute pressure: subtract that of the atmosphere')
 
 
 def _another_supply(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
@@ -172,41 +151,6 @@ def _another_supply(experiment: Experiment, declared: PositionerParameters) -> I
             f'supply_pressure: never exceeds {np.max(supply):.4g} Pa, and the declared model moves '
             f'as measured with {declared.supply.pressure:.4g} Pa: it is not what fed the booster; '
             'correct the column, or leave it out')
-
-
-def _reversed_current(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
-    name = next((name for name in PRESSURES if name in experiment.measured), None)
-    if name is None or experiment.quasi_static or experiment.in_loop:
-        return
-    measured = experiment.measured[name]
-    rows = np.isfinite(measured)
-    both = experiment.current[rows], measured[rows]
-    if any(len(np.unique(each)) < 2 for each in both) or spearmanr(*both).statistic >= 0.0:
-        return
-    alone = replace(experiment, measured={name: measured})
-    full = declared.supply.pressure / declared.ep_converter.gain
-
-    def moved(way: float, further: float) -> Experiment:
-        """Return the record with its current that way up, its least value where suits the model."""
-        least = np.min(way * experiment.current)
-        return replace(alone, current=further * full + way * experiment.current - least)
-
-    def nearest(way: float) -> float:
-        """Return that least value, in currents that open the converter fully."""
-        def left(further: float) -> float:
-            return rmse(measured, moved(way, further).predict(declared)[name], rows)
-
-        tried, step = np.linspace(0.0, 2.0, STARTS, retstep=True)
-        best = tried[int(np.argmin(side_by_side(left, tried)))]
-        return float(minimize_scalar(left, bounds=(best - step, best + step), method='bounded').x)
-
-    # both from where suits best: a level that is off is no reason to turn what moves
-    found = nearest(-1.0)
-    yield moved(1.0, nearest(1.0)), moved(-1.0, found), (
-        'control_current: the declared model moves as measured with '
-        f'{np.max(experiment.current) + found * full:.4g} A less the current: the converter is '
-        'reverse-acting, or the wires are swapped; convert the column to the current of a '
-        'direct-acting one')
 
 
 def _reversed_position(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
@@ -230,5 +174,4 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
 
 
 SUPPOSITIONS: tuple[Supposition, ...] = (
-    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_current,
-    _reversed_position)
+    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_position)

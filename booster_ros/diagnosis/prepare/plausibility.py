@@ -109,19 +109,15 @@ def check_drive(experiment: Experiment, declared: PositionerParameters, source: 
         'off, or leave out a current that did not drive the valve')
 
 
-def stem_alone(experiment: Experiment) -> Experiment:
-    """Return the experiment with the stem driven by the measured pressure."""
-    pressure = bridged(experiment.time, experiment.measured['chamber_pressure'])
+def driven(experiment: Experiment) -> Experiment:
+    """Return the experiment with the stem driven by the measured pressure, if there is one."""
+    pressure = experiment.measured.get('chamber_pressure')
+    if pressure is None or not np.isfinite(pressure).any():
+        return experiment
     return replace(
         experiment, current=np.zeros_like(experiment.current), command='control_current',
         measured={'valve_position': experiment.measured['valve_position']},
-        pinned={**experiment.pinned, 'chamber_pressure': pressure})
-
-
-def driven(experiment: Experiment) -> Experiment:
-    """Return the experiment with the stem driven by the measured pressure, if there is one."""
-    seen = np.isfinite(experiment.measured.get('chamber_pressure', np.nan)).any()
-    return stem_alone(experiment) if seen else experiment
+        pinned={**experiment.pinned, 'chamber_pressure': bridged(experiment.time, pressure)})
 
 
 def without_stuck(

@@ -4,16 +4,14 @@
 Distinguishability: which effects a record cannot tell from one that it shows.
 
 Two answers are given together. Models that were fitted, and whose evidence is within TIE of the
-chosen one's. And by expected discrimination: if a fitted effect were the truth, the record would be
-what the model predicts, and another effect in its place would leave unexplained what no parameter
-can imitate. Scaled by the noise, the sum of squares of that is what the other costs more than the
-truth, on average over all noise:
+chosen one's. And by expected discrimination, as if a fitted effect were the truth:
 
 1. the measured values are replaced by the prediction of the fit;
 2. the effect is taken out, all else stays;
 3. every other effect is screened in its place, and the best of them take the first steps of a fit.
 
-Where that cost is less than what tells models apart, no fit to this record can decide.
+What one then costs, it costs more than the truth on average over all noise. Where that is less than
+what tells models apart, no fit to this record can decide.
 """
 
 from dataclasses import replace
@@ -26,7 +24,7 @@ from booster_ros.diagnosis.estimation.observation import ROWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant
-from booster_ros.diagnosis.selection.decide import TIE, Comparison
+from booster_ros.diagnosis.selection.decide import TIE
 from booster_ros.diagnosis.selection.neighbours import BEGUN
 from booster_ros.diagnosis.selection.screening import first_steps, reference_at, screen
 from booster_ros.diagnosis.selection.stepwise import Selection, comparison
@@ -43,16 +41,12 @@ def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[s
     for one in selection.models:
         instead = set(one.effects) - rest
         if (len(instead) == 1 and rest <= set(one.effects) and name not in instead
-                and instead <= EFFECTS.keys() and one.score.observed == chosen.score.observed
-                and _not_told_apart(comparison(task, chosen, one, []))):
-            found += sorted(instead)
+                and instead <= EFFECTS.keys() and one.score.observed == chosen.score.observed):
+            said = comparison(task, chosen, one, [])
+            found += sorted(instead) if said.log_evidence < TIE + said.luck else []
     if chosen.problem.observation is ROWS:
         found += _indistinct(task, chosen, name)
     return tuple(dict.fromkeys(found))
-
-
-def _not_told_apart(found: Comparison) -> bool:
-    return found.log_evidence < TIE + found.luck
 
 
 def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:

@@ -6,9 +6,8 @@ Stepwise selection: effects are added and deleted, by one comparison (`decide`).
 1. Refit the declared model.
 2. Ask the subsystem above the stem (fault isolation). Where it lacks nothing, only what belongs to
    the stem or a sensor is tried; where it calls for an effect, go on with that.
-3. Add the effect with the best evidence among the neighbours, as long as the comparison accepts it.
-   Of two missing effects, either alone may look like none: once, go on from the best one all the
-   same, and accept both together or none.
+3. Add the effect with the best evidence among the neighbours, as long as the comparison accepts it;
+   once, go on from one that it does not, and accept both together or none.
 4. Of several effects, delete each that is not called for beside the others.
 5. Where much is left, smooth terms without a name compete with what was found.
 
@@ -36,11 +35,9 @@ MOST_EFFECTS = 3
 """Effects in all, at the most: each further one takes a round, and few valves have more."""
 
 ISOLATED, SMOOTHED = 0.02, 3.5
-"""
-Share of the whole model's excess over noise, and reduced chi-square, up to which the upstream
-subsystem lacks nothing: what is missing above the stem leaves 0.4 or more of the excess there, and
-smoothing the measured stem may leave a reduced chi-square of 3.5 by itself.
-"""
+"""Share of the whole model's excess over noise, and reduced chi-square, up to which the upstream
+subsystem lacks nothing: what is missing there leaves 0.4 or more of the excess, and smoothing the
+measured stem may leave the latter by itself."""
 
 _BELOW = frozenset({'stem', 'sensor'})
 
@@ -68,11 +65,7 @@ class _Trace:
 
     def accepts(self, task: Task, one: Model, other: Model, rivals: list[Model],
                 candidates: int) -> bool:
-        """
-        Tell whether the record calls for a model, one of so many candidates, beside another.
-
-        The comparison is tempered by what the best of all rivals leaves.
-        """
+        """Tell whether the record calls for a model, one of so many candidates, beside another."""
         found = comparison(task, one, other, [*rivals, one, other])
         against = why_not(found, candidates)
         self.steps.append(TraceStep(
@@ -114,7 +107,7 @@ def select(task: Task, tell: Progress) -> Selection:
         tell('deleting effects', 0.65)
         chosen = _deleted(task, chosen, trace)
     named = chosen
-    if _leaves_structure(chosen, root):
+    if not leaves_noise(chosen) and explained(chosen, root) < NEARLY_ALL:
         tell('looking for a discrepancy without a name', 0.75)
         unnamed = best_terms(task, root)
         trace.models += unnamed
@@ -185,9 +178,9 @@ def _best(task: Task, parent: Model, found: list[Model]) -> Model | None:
     """
     Return the best of several neighbours of a model, None of none.
 
-    Of those whose evidence is within TIE of the best one's, the first in the catalogue, which
-    lists common causes first; of idealised laws of friction, the first whatever their evidence.
-    Models of a stem that sticks are compared with the best of the others by statistics of windows.
+    Of those within TIE of the best one's evidence, the first in the catalogue, which lists common
+    causes first; of idealised laws of friction, the first. Those of a stem that sticks are compared
+    with the best of the others by statistics of windows.
     """
     order = list(EFFECTS)
     best = [min([one for one in same if idealised(one, parent)] or near_best(same, TIE),
@@ -208,11 +201,6 @@ def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
         if not trace.accepts(task, chosen, smaller, [], len(task.names)):
             chosen = smaller
     return chosen
-
-
-def _leaves_structure(chosen: Model, root: Model) -> bool:
-    """Tell whether so much is left that a term without a name may explain it better."""
-    return not leaves_noise(chosen) and explained(chosen, root) < NEARLY_ALL
 
 
 def _replaced(task: Task, chosen: Model, unnamed: list[Model], trace: _Trace) -> Model:

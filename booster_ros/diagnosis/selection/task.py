@@ -39,8 +39,8 @@ class Model:
     """
     A model with some effects: its problem, its fit, and its score.
 
-    `reduced_chi2` is the mean square of what it leaves of the readings it was fitted to, in squares
-    of the noise, whatever is observed of them: 1 is noise.
+    `reduced_chi2` is the mean square of what it leaves of the readings, whatever is observed of
+    them, in squares of the noise.
     """
 
     effects: tuple[str, ...]
@@ -108,11 +108,7 @@ def by_observation(models: Sequence[Model]) -> list[list[Model]]:
 
 
 def near_best(models: Sequence[Model], behind: float) -> list[Model]:
-    """
-    Return the models whose log evidence is less than so far behind that of the best one.
-
-    They are observed alike, and tempered by what the one leaves that comes nearest.
-    """
+    """Return the models, observed alike, whose log evidence is less than so far behind the best."""
     c = min(models, key=lambda one: one.score.cost).score.dispersion
     top = max(one.score.log_evidence(c) for one in models)
     return [one for one in models if one.score.log_evidence(c) > top - behind]
