@@ -15,7 +15,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.blocks import (
     rows_of, split, split_sweep, training_blocks)
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import get, label
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
@@ -36,7 +36,6 @@ from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 
-Array = np.ndarray
 Runs = dict[str, dict[str, Array]]
 
 

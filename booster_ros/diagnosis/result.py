@@ -5,16 +5,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
 
-from booster_ros.diagnosis.data.experiment import UNITS, Experiment, Initial, rmse
+from booster_ros.diagnosis.data.experiment import UNITS, Array, Experiment, Initial, rmse
 from booster_ros.diagnosis.data.blocks import Segment
 from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.diagnosis.selection.decide import TraceStep
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
-
-Array = np.ndarray
 
 Started = tuple[PositionerParameters, Initial]
 """A model with where it starts."""

@@ -8,10 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.records import RecordError
 from booster_ros.records.time_axis import gap_rows
-
-Array = np.ndarray
 
 SHORTEST = 3.0
 """A segment lasts at least this long, s: a chamber fills in seconds."""

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import FEWEST
-
-Array = np.ndarray
+from booster_ros.diagnosis.data.experiment import FEWEST, Array
 
 
 def dispersion(series: Sequence[Array]) -> float:

@@ -13,14 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.least_squares import SETTLED
 from booster_ros.diagnosis.estimation.observation import ROWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
-
-Array = np.ndarray
 
 ROUNDS = 3
 """Times that axes are formed: on some processors two leave slopes of 0.4 in a valley of 0.005."""

@@ -19,9 +19,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import solve_banded
 
-from booster_ros.diagnosis.data.experiment import NO_CHANCE, Chance
-
-Array = np.ndarray
+from booster_ros.diagnosis.data.experiment import NO_CHANCE, Array, Chance
 
 WINDOW = 1.0
 """Length of a window, s: many slips of a stem come in it, and few moves of the valve."""

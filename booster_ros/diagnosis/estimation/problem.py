@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import NO_CHANCE, Experiment, Initial
+from booster_ros.diagnosis.data.experiment import NO_CHANCE, Array, Experiment, Initial
 from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Windows
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
@@ -29,8 +29,6 @@ from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.start import rests_on_a_stop
 from booster_ros.model.system import PositionerParameters
-
-Array = np.ndarray
 
 DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
 """First step in z of the Jacobian's differences, and the bounds of later ones, which change the

@@ -8,13 +8,12 @@ import numpy as np
 from scipy.optimize import brentq, lsq_linear
 from scipy.stats import chi2
 
+from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.catalogue import Knob
 from booster_ros.model.parameters import DESCRIPTIONS
-
-Array = np.ndarray
 
 DRAWS = 400
 """Number of draws: ten of them lie beyond either end of an interval."""

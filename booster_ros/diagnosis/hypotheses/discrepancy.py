@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.data.experiment import Array, Experiment, Initial
 from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
@@ -26,8 +26,6 @@ from booster_ros.model.scaling import PAPER, proportion
 from booster_ros.model.system import PositionerParameters
 from booster_ros.model.term_course import followed
 from booster_ros.records.holding import bridged
-
-Array = np.ndarray
 
 # For each component, a size of a term that a record shows, and what the term may depend on, the
 # commoner kind first: chambers leak more often than a relay's forces depend on what is behind it.

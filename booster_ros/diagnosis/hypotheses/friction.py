@@ -13,11 +13,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.scaling import proportion
-
-Array = np.ndarray
 
 _DAMPING = 'actuator.presliding_damping'
 

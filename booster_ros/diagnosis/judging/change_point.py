@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import AVERAGED, Experiment
+from booster_ros.diagnosis.data.experiment import AVERAGED, Array, Experiment
 from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
 from booster_ros.diagnosis.estimation.fit import Fit, fit
 from booster_ros.diagnosis.estimation.problem import Problem
@@ -32,8 +32,6 @@ from booster_ros.diagnosis.selection.stepwise import Progress
 from booster_ros.diagnosis.selection.task import THINNING, thinned
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
-
-Array = np.ndarray
 
 MUCH = FAR_OFF * FAR_OFF
 """Mean square, in the noise's, that a diagnosis has to leave before a change is looked for; for the

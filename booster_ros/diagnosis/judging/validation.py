@@ -16,8 +16,6 @@ from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.model.discrepancy import covered
 from booster_ros.model.system import PositionerParameters
 
-Array = np.ndarray
-
 
 def validated(
     diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()

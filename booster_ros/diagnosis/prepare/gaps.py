@@ -12,12 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records.holding import last_known
 from booster_ros.records.time_axis import gap_rows
-
-Array = np.ndarray
 
 SHORT_GAP = 0.5
 MISSED = 5e-4

@@ -23,14 +23,13 @@ import itertools
 import numpy as np
 from scipy.constants import day, hour, micro, milli, minute, nano
 
-from booster_ros.diagnosis.data.experiment import Experiment, rmse
+from booster_ros.diagnosis.data.experiment import Array, Experiment, rmse
 from booster_ros.diagnosis.prepare.plausibility import LITTLE, driven, known
 from booster_ros.diagnosis.prepare.rows import DWELL_FILLED, check_length
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 
-Array = np.ndarray
 Pair = tuple[Experiment, Experiment, str]
 Supposition = Callable[[Experiment, PositionerParameters], Iterator[Pair]]
 

@@ -11,15 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import UNITS, Experiment
+from booster_ros.diagnosis.data.experiment import UNITS, Array, Experiment
 from booster_ros.diagnosis.estimation.parametrisation import BENCH, get
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 from booster_ros.records.holding import bridged
 from booster_ros.records.units import LARGEST_KILOPASCALS
-
-Array = np.ndarray
 
 DRIVES = {'control_current', 'set_point', 'back_pressure', 'chamber_pressure'}
 """What can move the valve: a supply alone does not."""

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a cleaned record to an experiment."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from math import sqrt
 
@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from booster_ros.signals.stationary_segments import calm_pieces
 from booster_ros.diagnosis.data.experiment import (
-    AVERAGED, FEWEST, THINNED_TOLERANCE, DriveNoise, Experiment)
+    AVERAGED, FEWEST, THINNED_TOLERANCE, Array, DriveNoise, Experiment)
 from booster_ros.signals.noise_level import white_noise
 from booster_ros.signals.noise_autocorrelation import noise_of
 from booster_ros.diagnosis.data.roles import Roles
@@ -28,12 +28,15 @@ from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import between_samples, bridged, last_known
 
-Array = np.ndarray
-
 _WHITE = (
     'what drives the valve hardly rests, nor moves smoothly for long: noise is taken as white, as '
     'its colour shows there alone; where a sensor is damped there is more of it, up to several '
     'times, and what seems to be missed may be noise')
+
+_CLOUDED = (
+    'the noise of {} is taken as white: where the drives are calm, the valve still moves (slips, '
+    'hunting, a supply that ripples), which hides how noise carries over from row to row; where a '
+    'sensor is damped there is more of it than is said here')
 
 LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure': 5.0,
                'valve_position': 1e-7, 'mass_flow': 1e-9, 'pressure_drop': 5.0}
@@ -90,8 +93,8 @@ def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:
     told = {name: noise_of(values, calm) for name, values in columns.items() if name != 'time'}
     # coloured noise is more than its differences show
     noise = {name: max(each.level, LEAST_NOISE.get(name, 0.0)) for name, each in told.items()}
-    clouded = [name for name in role.compared
-               if told[name].clouded and told[name].level > LEAST_NOISE[name]]
+    clouded = ' and '.join(name for name in role.compared if told[name].clouded
+                           and told[name].level > LEAST_NOISE[name])
     return Experiment(
         time=time,
         current=current,
@@ -106,7 +109,7 @@ def _experiment(rows: Rows, declared: PositionerParameters) -> Experiment:
         begins=rows.begins,
         command=role.command,
         notes=(*rows.notes, *([] if rows.quasi_static or calm else [_WHITE]),
-               *_clouded_notes(clouded)),
+               *([_CLOUDED.format(clouded)] if clouded else [])),
     )
 
 
@@ -202,15 +205,6 @@ def _check_enough(compared: Mapping[str, Array], source: str, *notes: str) -> No
         raise RecordError(
             '; '.join((f'{source}: only {rows} rows can be compared with the model, at least '
                        f'{FEWEST} are needed', *notes)))
-
-
-def _clouded_notes(clouded: Sequence[str]) -> tuple[str, ...]:
-    if not clouded:
-        return ()
-    return (f'the noise of {" and ".join(clouded)} is taken as white: where the drives are calm, '
-            'the valve still moves (slips, hunting, a supply that ripples), which hides how noise '
-            'carries over from row to row; where a sensor is damped there is more of it than is '
-            'said here',)
 
 
 def _with_noise_of_drives(experiment: Experiment, declared: PositionerParameters) -> Experiment:

@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import FEWEST
+from booster_ros.diagnosis.data.experiment import FEWEST, Array
 from booster_ros.diagnosis.data.roles import Roles, roles
 from booster_ros.diagnosis.prepare.plausibility import check_scales
 from booster_ros.model.actuator import VESSEL
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import Record, RecordError
 from booster_ros.records.holding import between_samples
-
-Array = np.ndarray
 
 DWELL_PINNED = 0.25
 DWELL_FILLED = 30.0
@@ -81,8 +79,11 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
     quasi_static = time is None
     begins = 0.0
     if time is None:
-        time = _sweep_time(len(next(iter(columns.values()))), role, dwell)
-        _check_sweep(time, record.source)
+        step = dwell or (DWELL_PINNED if 'chamber_pressure' in role.pinned else DWELL_FILLED)
+        time = step * np.arange(len(next(iter(columns.values()))))
+        trimmed = (*trimmed, 'no time: read as a quasi-static sweep in row order, '
+                   f'{step:g} s a row')
+        check_length(time, record.source, swept=True)
     else:
         columns |= {name: between_samples(time, values) for name, values in sampled.items()}
         if time[0] != 0.0:  # what warms up or swings does so from where the record begins
@@ -94,8 +95,7 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
         begins=begins, quasi_static=quasi_static,
         usable=_usable_rows(time, columns, role, quasi_static),
         left_out=(*sparse.values(), *trimmed),
-        notes=(*beside.values(), *idle.values(), *sparse.values(), *role.notes, *trimmed,
-               *_sweep_notes(time, quasi_static)))
+        notes=(*beside.values(), *idle.values(), *sparse.values(), *role.notes, *trimmed))
 
 
 def _without(record: Record, names: Collection[str]) -> Record:
@@ -133,21 +133,15 @@ def _check_time(record: Record) -> None:
             'it, one before and one behind the gap')
 
 
-def check_length(time: Array, source: str) -> None:
+def check_length(time: Array, source: str, swept: bool = False) -> None:
     """Raise RecordError where a run takes minutes, and hundreds hours."""
     if time[-1] - time[0] > LONGEST_RUN:
+        column, remedy = ('', 'a sweep needs fewer rows, or that stand for less, a record in time '
+                          'its column time') if swept else (
+            ', column time', 'time must be in s, or cut the record')
         raise RecordError(
-            f'{source}, column time: lasts {time[-1] - time[0]:.3g} s, and no more than '
-            f'{LONGEST_RUN:g} s are compared with the model: time must be in s, or cut the record')
-
-
-def _check_sweep(time: Array, source: str) -> None:
-    """Raise RecordError where the rows of a sweep stand so long that a run takes minutes."""
-    if time[-1] > LONGEST_RUN:
-        raise RecordError(
-            f'{source}: no time, so it would be a quasi-static sweep of {len(time)} rows that '
-            f'stand {time[1] - time[0]:g} s each, {time[-1]:.3g} s altogether: a record in time '
-            'needs the column time, a sweep needs fewer rows, or rows that stand for less')
+            f'{source}{column}: lasts {time[-1] - time[0]:.3g} s, and no more than '
+            f'{LONGEST_RUN:g} s are compared with the model: {remedy}')
 
 
 def _idle_command(record: Record) -> dict[str, str]:
@@ -194,11 +188,6 @@ def _left_out(record: Record, needed: list[str], first: int, last: int | None) -
     return (f'rows {rows[0]} to {rows[-1]} left out: they lack {" or ".join(lacking)}',)
 
 
-def _sweep_time(rows: int, role: Roles, dwell: float | None) -> Array:
-    step = dwell or (DWELL_PINNED if 'chamber_pressure' in role.pinned else DWELL_FILLED)
-    return step * np.arange(rows)
-
-
 def _usable_rows(
     time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
 ) -> Array:
@@ -210,9 +199,3 @@ def _usable_rows(
         # a sweep of currents starts settled at its first one; only later ones were dwelt on
         usable[0] &= not role.commanded
     return usable
-
-
-def _sweep_notes(time: Array, quasi_static: bool) -> tuple[str, ...]:
-    if not quasi_static:
-        return ()
-    return (f'no time: read as a quasi-static sweep in row order, {time[1] - time[0]:g} s a row',)

@@ -8,14 +8,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from booster_ros.diagnosis.data.experiment import FEWEST, Experiment, Initial
+from booster_ros.diagnosis.data.experiment import FEWEST, Array, Experiment, Initial
 from booster_ros.diagnosis.prepare.otherwise import is_otherwise
 from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.memory import Departure
 from booster_ros.model.system import PositionerParameters
-
-Array = np.ndarray
 
 _FIRST_ROWS = 5
 """Number of first rows, which are averaged if the signal stands still in them."""

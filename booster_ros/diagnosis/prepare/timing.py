@@ -19,11 +19,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment, Initial
+from booster_ros.diagnosis.data.experiment import Array, Experiment, Initial
 from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.model.system import PositionerParameters
-
-Array = np.ndarray
 
 EVEN = 1e-3
 """Unevenness of the spacing of rows, relative to their distance, below which rows and drive have

@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.fit import carried, fit_at
 from booster_ros.diagnosis.estimation.observation import ROWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
@@ -30,8 +30,6 @@ from booster_ros.diagnosis.selection.screening import first_steps, reference_at,
 from booster_ros.diagnosis.selection.stepwise import Selection, comparison
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model.catalogue import EFFECTS
-
-Array = np.ndarray
 
 
 def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[str, ...]:

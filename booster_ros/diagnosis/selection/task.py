@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from booster_ros.diagnosis.data.blocks import Segment, rows_of, training_blocks
-from booster_ros.diagnosis.data.experiment import Experiment
+from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.fit import Fit, fit_at
 from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.parametrisation import Free
@@ -21,8 +21,6 @@ from booster_ros.diagnosis.selection.decide import NEARLY_ALL, NOISE
 from booster_ros.diagnosis.selection.score import Score, score_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.system import PositionerParameters
-
-Array = np.ndarray
 
 PLACES = frozenset(effect.location for effect in EFFECTS.values())
 """All places where something can be missing."""

@@ -10,6 +10,7 @@ B 63 (2001) 425.)
 
 import numpy as np
 
+from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
@@ -19,8 +20,6 @@ from booster_ros.diagnosis.selection.neighbours import BEGUN, fitted_to_every_ro
 from booster_ros.diagnosis.selection.screening import BEST
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model import discrepancy as term
-
-Array = np.ndarray
 
 
 def best_terms(task: Task, root: Model) -> list[Model]:
