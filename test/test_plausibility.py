@@ -204,26 +204,6 @@ def test_a_supply_an_atmosphere_above_the_declared_one_is_no_absolute_one_if_the
     assert 'supply_pressure' in prepare(record_of(**columns), DECLARED).drives
 
 
-@pytest.mark.parametrize('read', [0.0, 150e3])
-def test_a_supply_from_which_the_chamber_cannot_have_been_filled_is_refused(read):
-    columns = driven_by(['supply_pressure'])
-    assert columns['chamber_pressure'].max() > 250e3
-    columns['supply_pressure'] = np.full(ROWS, read)
-    with pytest.raises(RecordError, match=r'never exceeds .* Pa, .* not what fed the booster'):
-        prepare(record_of(**columns), DECLARED)
-
-
-def test_a_chamber_that_only_falls_from_above_its_supply_was_filled_before():
-    time = 0.1 * np.arange(ROWS)
-    lost = DECLARED._replace(supply=DECLARED.supply._replace(pressure=50e3))
-    run = simulate(lost, time, np.full(ROWS, 0.43e-3), {'chamber_pressure': 280e3})
-    assert np.ptp(run['chamber_pressure']) > 50e3
-    columns = {'time': time, 'control_current': np.full(ROWS, 0.43e-3),
-               **{name: run[name] for name in (
-                   'chamber_pressure', 'valve_position', 'supply_pressure')}}
-    assert 'supply_pressure' in prepare(record_of(**columns), DECLARED).drives
-
-
 def test_a_supply_far_below_the_declared_one_is_no_other_unit_where_the_model_follows_it():
     time = 0.1 * np.arange(ROWS)
     current = np.where(time < 10.0, 0.38e-3, 0.40e-3)

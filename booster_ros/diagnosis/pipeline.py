@@ -39,11 +39,9 @@ from booster_ros.records import RecordError
 Runs = dict[str, dict[str, Array]]
 
 
-def diagnose(
-    experiment: Experiment, declared: PositionerParameters, progress: Progress | None = None,
-    notes: tuple[str, ...] = (), names: Collection[str] = tuple(EFFECTS),
-    places: frozenset[str] = PLACES,
-) -> Diagnosis:
+def diagnose(experiment: Experiment, declared: PositionerParameters,
+             progress: Progress | None = None, notes: tuple[str, ...] = (),
+             names: Collection[str] = tuple(EFFECTS), places: frozenset[str] = PLACES) -> Diagnosis:
     """
     Return what the model lacks, judged by this experiment.
 

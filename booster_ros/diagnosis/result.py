@@ -39,9 +39,6 @@ class FoundEffect:
 AS_GOOD_AS_MEASURED = 1.3
 """Ratio of error to noise up to which a model is called as good as the measurement."""
 
-WORTH_SAYING = 0.01
-"""Share of rows that go beyond what a model has been fitted to, from which on that is said."""
-
 
 @dataclass(frozen=True)
 class ChannelError:

@@ -3,11 +3,11 @@
 """The notes of a report: what to keep in mind of the record, of the answer, and of another one."""
 
 from booster_ros.diagnosis.hypotheses.discrepancy import label_of
-from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, FoundEffect, OtherRecord
+from booster_ros.diagnosis.result import Diagnosis, FoundEffect, OtherRecord
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import NONE
 from booster_ros.model.system import depends_on_time
-from booster_ros.report.unknown_term import unknown_of
+from booster_ros.report.unknown_term import WORTH_SAYING, unknown_of
 
 
 def notes(diagnosis: Diagnosis) -> tuple[str, ...]:

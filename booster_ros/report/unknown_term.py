@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from booster_ros.diagnosis.result import WORTH_SAYING, Diagnosis, Refused
+from booster_ros.diagnosis.result import Diagnosis, Refused
 from booster_ros.model import discrepancy as term
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.ep_converter import times_as_slow
@@ -17,6 +17,9 @@ from booster_ros.report.names import (
 
 
 Array = np.ndarray
+
+WORTH_SAYING = 0.01
+"""Share of rows that go beyond what a term has been fitted to, from which on that is said."""
 
 
 @dataclass(frozen=True)

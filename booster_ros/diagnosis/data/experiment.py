@@ -42,8 +42,8 @@ COMMANDS = ('control_current', 'set_point')
 """The columns that command a valve: what was asked for, not what was measured."""
 
 SLOW = 0.3
-"""Distance of rows, s, at which a valve behind a controller has come to rest in one or two: what
-holds or slows it below the controller is then told by nothing but how the loop as a whole lags."""
+"""Distance of rows, s, in one or two of which a valve behind a controller has come to rest: what
+holds or slows it shows in how the loop lags alone."""
 
 OUTPUT_OF = {
     'back_pressure': 'back_pressure',

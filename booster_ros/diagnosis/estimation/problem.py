@@ -94,13 +94,11 @@ class Problem:
         on_stop = rests_on_a_stop(p, start.chamber_pressure, stem, drop)
         return replace(start, valve_position=None if on_stop else stem)
 
-    def predict(self, z: Array) -> dict[str, Array] | None:
-        """Return the model's channels at z, None where it cannot run."""
-        return self._predicted(z, self.experiment)
-
-    def _predicted(self, z: Array, experiment: Experiment) -> dict[str, Array] | None:
+    def predict(self, z: Array, over: Experiment | None = None) -> dict[str, Array] | None:
+        """Return the channels at z, over this or another experiment, None where it cannot run."""
         p = self.parameters(z)
-        return experiment.predict(p, self.initial(z, p)) if is_consistent(p) else None
+        start = self.initial(z, p)
+        return (over or self.experiment).predict(p, start) if is_consistent(p) else None
 
     def residuals(self, z: Array) -> Array:
         """Return the residuals of what is observed, followed by those of what is known before."""
@@ -156,7 +154,7 @@ class Problem:
 
     def scaled(self, z: Array) -> list[Array]:
         """Return the scaled residuals of the rows that count, one array a channel."""
-        predicted = self._predicted(z, self._decisive)
+        predicted = self.predict(z, self._decisive)
         if predicted is None:
             return [np.full(np.count_nonzero(rows), FAR) for rows in self.counted.values()]
         measured, noise = self.experiment.measured, self.experiment.noise

@@ -5,8 +5,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, lsq_linear
-from scipy.stats import chi2
+from scipy.optimize import lsq_linear
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit
@@ -25,8 +24,7 @@ WIDEST = 30.0
 """Standard deviation of a size before anything is seen of it, in typical sizes."""
 
 AT_BOUND = 1e-2
-"""Distance of a size from its bound, as a share of that, below which it has run into it, and to
-which it is told how far it may go."""
+"""Distance of a size from its bound, as a share of that, below which it has run into it."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +57,9 @@ def block_bootstrap(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
     Return draws of z, shape (DRAWS, variables), by a block bootstrap.
 
     `block_of_row` says of each row of the experiment in which block it is. Each draw weighs the
-    blocks by how often they were drawn and makes one Gauss-Newton step from the fit. Residuals may
-    be as coloured as they like within a block. The value that is expected of a declared parameter
-    is drawn too, from its prior: what an effect trades with it is as unsure as that.
+    blocks by how often they were drawn and makes one Gauss-Newton step from the fit. Within a block
+    residuals may be as coloured as they like. What is expected of a declared parameter is drawn
+    too, from its prior.
 
     Shapes are drawn with all else free; all else is drawn with the shapes as they were found:
     together they would run through nonsense, as a drift of half the size in half the time is the
@@ -123,40 +121,20 @@ def interval_of(problem: Problem, draws: Array, fit: Fit, index: int) -> Interva
     The interval is as long to either side, in z, as 95 % of the draws are off the fit: quantiles of
     skewed draws are off to the wrong side (Hall, 1992, The Bootstrap and Edgeworth Expansion,
     section 3.5). Of a variable that shows nowhere, such as the lift of a seat that is never
-    reached, it goes to where the rows would notice it (profile likelihood, all else as it is). That
-    of a stiffness or restriction that may as well be none is open above.
+    reached, it is all of its range. That of a stiffness or restriction that may as well be none is
+    open above.
     """
     free = problem.freedoms[index]
+    off = np.quantile(np.abs(draws[:, index] - fit.z[index]), LEVEL)
     if np.linalg.norm(fit.jacobian[:, index]) < NOTICEABLE:
-        low, high = _unnoticed(problem, fit, index)
-    else:
-        off = np.quantile(np.abs(draws[:, index] - fit.z[index]), LEVEL)
-        low, high = fit.z[index] - off, fit.z[index] + off
-    ends = [free.value(float(np.clip(z, free.low, free.high))) for z in (low, high)]
+        off = np.inf
+    ends = [free.value(float(np.clip(z, free.low, free.high)))
+            for z in (fit.z[index] - off, fit.z[index] + off)]
     open_above = free.knob.inverse > 0 and free.knob.neutral in ends
     if open_above:
         ends = [free.knob.high if end == free.knob.neutral else end for end in ends]
     return Interval(free.value(fit.z[index]), min(ends), max(ends),
                     DESCRIPTIONS[free.knob.parameter].unit, open_above)
-
-
-def _unnoticed(problem: Problem, fit: Fit, index: int) -> tuple[float, float]:
-    """Return how far towards its bounds a variable can go before the rows notice."""
-    most = problem.cost(fit.z) + chi2.ppf(LEVEL, 1)  # a likelihood ratio
-
-    def noticed(end: float) -> float:
-        moved = fit.z.copy()
-        moved[index] = end
-        return problem.cost(moved) - most
-
-    def furthest(bound: float) -> float:
-        if noticed(bound) < 0.0:
-            return bound
-        begin = float(fit.z[index])
-        return float(brentq(noticed, begin, bound, xtol=AT_BOUND * abs(bound - begin)))
-
-    free = problem.freedoms[index]
-    return furthest(free.low), furthest(free.high)
 
 
 def at_bound(free: Free, z: float) -> bool:

@@ -18,15 +18,12 @@ from booster_ros.model.gas import ISO_6358
 from booster_ros.model.system import PositionerParameters
 
 NEAR_BENCH_SET = 0.25
-"""Distance below the bench set, as a share of its range, within which a shifted spring might let
-the stem go."""
-
+"""Share of the bench set's range below it within which a shifted spring might let the stem go."""
 
 TOLD_SLOWLY = frozenset((
     'slew_limit', 'positioner_dead_zone', 'positioner_tuning', 'position_backlash',
     'position_sensor_lag', 'position_sensor_bias', 'travel_limit'))
-"""Effects that rows of seconds tell of a valve behind a controller: how fast it follows, what it
-loses in a reversal, gain, zero and limits."""
+"""Effects that rows of seconds tell of a valve behind a controller."""
 
 
 def applicable(experiment: Experiment, declared: PositionerParameters) -> tuple[str, ...]:

@@ -78,7 +78,7 @@ class Term:
     """
     A place for a discrepancy: component, variable, a size that shows.
 
-    And its past, where it has one: the memory of a change, s, or the reach of a play, N.
+    A `past` is the memory of a change, s, or the reach of a play, N.
     """
 
     location: int
@@ -105,13 +105,10 @@ def place_of(location: int) -> str:
 
 def terms(channels: tuple[str, ...], declared: PositionerParameters = PAPER) -> list[Term]:
     """Return the terms worth trying in such a valve, with these compared channels."""
-    absent = set()
-    if 'chamber_pressure' not in channels:
-        absent.add(term.PRESSURE_SENSOR)
-    if 'valve_position' not in channels:
-        absent |= {term.POSITION_SENSOR, term.STEM}
+    read = {term.PRESSURE_SENSOR: 'chamber_pressure', term.POSITION_SENSOR: 'valve_position',
+            term.STEM: 'valve_position'}
     return [one for location, size, variables in _TERMS
-            for variable in variables if location not in absent
+            for variable in variables if location not in read or read[location] in channels
             for one in _with_pasts(
                 Term(location, variable, size * _larger(declared, location)),
                 _larger(declared, term.BOOSTER))]
@@ -173,7 +170,7 @@ def _about_zero(low: float, high: float) -> Array:
     """
     Return knots that are dense about zero, shape (KNOTS,), as many below it as above.
 
-    An error fades: most rows have little of it, and rising and falling differ from zero on.
+    Most rows have little of an error, and rising and falling differ from zero on.
     """
     shares = (np.arange(1.0, KNOTS // 2 + 1) / (KNOTS // 2 - 1))**CROWDED
     return max(-low, high, 1.0) * np.r_[-shares[::-1], shares]
@@ -183,8 +180,7 @@ def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Pr
     """
     Return what a term can reach by linear reckoning.
 
-    That is the cost, infinite where nothing shows, the term's problem, and its Jacobian with a
-    table of zeros beside the reference.
+    That is the cost, infinite where nothing shows, its problem, and the Jacobian at a table of 0.
     """
     joint = with_term(problem, reference, one)
     where, end = len(problem.freedoms), len(joint.freedoms)
@@ -226,9 +222,8 @@ def _course(problem: Problem, reference: Fit, table: Discrepancy) -> Array:
     """
     Return the variable of a term as measured, or as simulated where no row that counts has it.
 
-    For a change, the variable that changes runs straight across a gap. How far the back pressure
-    has to go is no reading: it is that of a converter MUCH_SLOWER, as on a ramp it grows with the
-    lag that is to be found.
+    What changes runs straight across a gap. How far the back pressure has to go is no reading: it
+    is that of a converter MUCH_SLOWER, as on a ramp it grows with the lag that is to be found.
     """
     experiment, p = problem.experiment, reference.parameters._replace(discrepancy=table)
     if table.variable == term.BACK_PRESSURE_ERROR:

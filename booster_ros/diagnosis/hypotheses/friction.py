@@ -29,7 +29,7 @@ BREAKING_AWAY = (0.0, 0.2, 0.4, 0.8)
 
 DAMPINGS = (0.0, 0.3, 0.6)
 """Damping of a packing that is tried, as shares of the critical one, 0 for one that does not yield:
-a descent does not get from much damping to little, as damping and viscous friction trade."""
+damping and viscous friction trade."""
 
 KEPT, CLOSER = 3, (0.06, 0.03, 0.015)
 """Number of best trials around which closer ones follow, and the steps of these, round by round, as
@@ -39,12 +39,7 @@ _Trial = tuple[float, float, float]
 
 
 def friction_starts(problem: Problem, z: Array) -> list[Array]:
-    """
-    Return where to begin with dry friction, all else as it is at z; z alone if none is free.
-
-    The best of a grid over sliding friction, stiction and damping, and of closer trials around
-    them. The start is as given.
-    """
+    """Return where to begin with dry friction, all else as it is at z; z alone if none is free."""
     if not any(free.knob.rubs for free in problem.freedoms):
         return [z]
 
@@ -65,11 +60,7 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
 
 
 def _placed(problem: Problem, z: Array, sliding: float, share: float, damping: float) -> Array:
-    """
-    Return z with this sliding friction (N), stiction (a share of it) and damping.
-
-    The start is as given, all other shapes of the packing become typical.
-    """
+    """Return z with such friction, its start as given and all other shapes typical."""
     moved = z.copy()
     moved[len(problem.freedoms):] = 0.0
     for j, free in enumerate(problem.freedoms):

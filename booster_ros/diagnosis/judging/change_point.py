@@ -45,10 +45,8 @@ WORTH_CUTTING = 0.5
 """Largest mean square that the diagnosis of the rest may leave, relative to that of the whole."""
 
 
-def since_change(
-    diagnosis: Diagnosis, record: Record, judge: Callable[..., Diagnosis],
-    progress: Progress | None = None,
-) -> Diagnosis:
+def since_change(diagnosis: Diagnosis, record: Record, judge: Callable[..., Diagnosis],
+                 progress: Progress | None = None) -> Diagnosis:
     """
     Return the diagnosis of the record from where the valve changed, the given one if it did not.
 
@@ -112,8 +110,7 @@ def _first_missed(squares: Array, begin: int) -> int | None:
     """
     Return the row from which on a model misses, sought from row `begin` on; None if there is none.
 
-    The mean over a window of rows tells whether it misses, a cumulative sum from which row on
-    (E. S. Page, Biometrika 41 (1954) 100).
+    A mean of rows tells whether, a cumulative sum when (E. S. Page, Biometrika 41 (1954) 100).
     """
     known = begin + np.flatnonzero(np.isfinite(squares[begin:]))
     if len(known) < AVERAGED:

@@ -3,9 +3,9 @@
 """
 How often the whole procedure adds something to a model that lacks nothing.
 
-The declared model, refitted to the record, takes the place of the valve: it is simulated at the
-times and with the drives of the record, with noise of the same level, colour and resolution. Every
-such repeat goes through the whole diagnosis.
+The declared model, refitted to the record, takes the place of the valve, at the times and with the
+drives of the record, with noise of the same level, colour and resolution. Every such repeat goes
+through the whole diagnosis.
 """
 
 from collections import Counter
@@ -29,10 +29,8 @@ from booster_ros.model.system import PositionerParameters
 Diagnose = Callable[[Experiment, PositionerParameters, Progress], Diagnosis]
 
 
-def calibrated(
-    diagnosis: Diagnosis, runs: int, seed: int, judge: Diagnose,
-    progress: Progress | None = None,
-) -> Diagnosis:
+def calibrated(diagnosis: Diagnosis, runs: int, seed: int, judge: Diagnose,
+               progress: Progress | None = None) -> Diagnosis:
     """
     Return the diagnosis with its false-add rate, counted over `runs` simulated records.
 

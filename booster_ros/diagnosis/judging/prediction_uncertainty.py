@@ -7,14 +7,12 @@ Data that depend on what a record hardly shows, such as a largest area that none
 needed, are missed by as much as models within the intervals of its parameters differ there, though
 none of them lacks anything. So, where the fitted rows are met,
 
-1. draw parameters as the record leaves them open, as for their intervals: by a bootstrap of its
-   blocks and of what was expected; shapes of effects stay as they were found;
-2. leave out the draws that miss the fitted rows by clearly more: a straight line along which one
-   parameter makes up for another leads over bounds and past bends;
-3. run the other draws over the data. The root mean square of their differences from the model is
-   the standard uncertainty of what the model predicts there;
-4. what is missed beyond FAR_OFF times that, no parameter that the record leaves open is to blame
-   for.
+1. take the draws of the bootstrap that intervals come of, shapes of effects as they were found;
+2. leave out those that miss the fitted rows by clearly more;
+3. run the others over the data: the root mean square of their differences from the model is the
+   standard uncertainty of its prediction;
+4. for what is missed beyond FAR_OFF times that, no parameter that the record leaves open is to
+   blame.
 
 (Propagation of distributions by a Monte Carlo method: JCGM 101:2008, 5 and 7.)
 """
@@ -38,18 +36,27 @@ MODELS = 32
 
 
 def models_alike(last: FinalFit) -> tuple[Started, ...] | None:
-    """Return models, out of the draws of z, that suit the record as well as the last one does."""
-    found = _suiting(last)
+    """Return models out of the draws of z, shapes as they were found, that suit the record too."""
+    problem, fit = last.problem, last.fit
+    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
+    drawn = np.clip(last.draws, *problem.bounds())
+    drawn[:, shapes] = fit.z[shapes]
+    found: list[Array] = []
+    for k in range(0, len(drawn), MODELS):
+        some = drawn[k:k + MODELS]
+        found += [z for z, left in zip(some, side_by_side(problem.cost, some))
+                  if left <= fit.cost + BY_CHANCE * len(fit.z)]
+        if len(found) >= MODELS:
+            break
     if len(found) < FEWEST:
         return None
-    return tuple((p, last.problem.initial(z, p))
-                 for z in found for p in [last.problem.parameters(z)])
+    parameters = map(problem.parameters, found[:MODELS])
+    return tuple((p, problem.initial(z, p)) for z, p in zip(found, parameters))
 
 
-def with_left_open(
-    errors: Mapping[str, ChannelError], experiment: Experiment, run: Mapping[str, Array],
-    models: Sequence[Started] | None, rows: Array, start: Initial | None = None,
-) -> dict[str, ChannelError]:
+def with_left_open(errors: Mapping[str, ChannelError], experiment: Experiment,
+                   run: Mapping[str, Array], models: Sequence[Started] | None, rows: Array,
+                   start: Initial | None = None) -> dict[str, ChannelError]:
     """
     Return the errors of a run of the model with what is left open in these rows.
 
@@ -75,19 +82,3 @@ def _beyond(error: ChannelError, left_open: float) -> ChannelError:
     noise = min(error.noise, error.after)
     beyond = max(error.after**2 - noise**2 - (FAR_OFF * left_open)**2, 0.0)
     return replace(error, left_open=left_open, unforeseen=float(np.hypot(noise, np.sqrt(beyond))))
-
-
-def _suiting(last: FinalFit) -> list[Array]:
-    """Return draws, with shapes as they were found, that miss the fitted rows by hardly more."""
-    problem, fit = last.problem, last.fit
-    shapes = [j for j, free in enumerate(problem.freedoms) if free.knob.shape]
-    drawn = np.clip(last.draws, *problem.bounds())
-    drawn[:, shapes] = fit.z[shapes]
-    found: list[Array] = []
-    for k in range(0, len(drawn), MODELS):
-        some = drawn[k:k + MODELS]
-        found += [z for z, left in zip(some, side_by_side(problem.cost, some))
-                  if left <= fit.cost + BY_CHANCE * len(fit.z)]
-        if len(found) >= MODELS:
-            break
-    return found[:MODELS]

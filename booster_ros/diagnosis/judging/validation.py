@@ -17,9 +17,8 @@ from booster_ros.model.discrepancy import covered
 from booster_ros.model.system import PositionerParameters
 
 
-def validated(
-    diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()
-) -> Diagnosis:
+def validated(diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()
+              ) -> Diagnosis:
     """Return the diagnosis with the errors of its models on this experiment, and the rest."""
     stages = (diagnosis.declared, diagnosis.before, diagnosis.after)
     starts = [_start(experiment, parameters) for parameters in stages]

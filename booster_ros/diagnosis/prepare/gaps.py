@@ -23,9 +23,7 @@ MISSED = 5e-4
 range times seconds, for all rows after it to count: the chamber hardly notices."""
 
 
-def gaps_that_hide(
-    time: Array, columns: Mapping[str, Array], drives: Sequence[str]
-) -> list[slice]:
+def gaps_that_hide(time: Array, columns: Mapping[str, Array], drives: Sequence[str]) -> list[slice]:
     """Return the gaps that hide what moves the chamber: from the last row known to the next."""
     if not drives:
         return []
@@ -39,9 +37,8 @@ def gaps_that_hide(
     return [slice(max(int(last[row - 1]), 0), int(row)) for row in ends[missed]]
 
 
-def caught_up(
-    experiment: Experiment, declared: PositionerParameters, gaps: Sequence[slice]
-) -> Array:
+def caught_up(experiment: Experiment, declared: PositionerParameters, gaps: Sequence[slice]
+              ) -> Array:
     """
     Tell of each row, shape (n,), whether it shows nothing of what went on in a gap before it.
 

@@ -8,7 +8,6 @@ What a record may be instead of what it says: a table of suppositions, judged by
 | time is in another unit | its time in that unit | rows are not as far apart as is usual |
 | pressures are in mbar | a hundred times as much | they are far below the supply |
 | pressures are absolute | an atmosphere less | they are never below the atmosphere |
-| the supply is another one's | the supply as declared | the chamber rises above the measured one |
 | the position is reversed | its negative | there is a position |
 
 Fitted all the same, such a record comes out as an effect, as absolute pressure does as a process
@@ -68,9 +67,8 @@ def is_otherwise(recorded: Experiment, taken: Experiment, declared: PositionerPa
     return after < EXPLAINED * before
 
 
-def check_taken_otherwise(
-    experiment: Experiment, declared: PositionerParameters, source: str
-) -> None:
+def check_taken_otherwise(experiment: Experiment, declared: PositionerParameters, source: str
+                          ) -> None:
     """Raise RecordError where the declared model moves as measured under a supposition."""
     for supposition in SUPPOSITIONS:
         for recorded, taken, said in supposition(experiment, declared):
@@ -105,9 +103,8 @@ def _pressures(experiment: Experiment) -> dict[str, Array]:
     return {name: seen[name] for name in PRESSURES if name in seen and len(seen[name])}
 
 
-def _with_pressures(
-    experiment: Experiment, names: Collection[str], factor: float, less: float
-) -> Experiment:
+def _with_pressures(experiment: Experiment, names: Collection[str], factor: float, less: float
+                    ) -> Experiment:
     """Return the experiment with these pressures taken times a factor, less something."""
     measured, pinned = ({name: factor * values - less if name in names else values
                          for name, values in channels.items()}
@@ -139,19 +136,6 @@ def _absolute(experiment: Experiment, declared: PositionerParameters) -> Iterato
             'less, which looks like absolute pressure: subtract that of the atmosphere')
 
 
-def _another_supply(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
-    others = dict(experiment.pinned)
-    supply = others.pop('supply_pressure', None)
-    chamber = known(experiment.measured.get('chamber_pressure', np.empty(0)))
-    if supply is None or experiment.quasi_static or not len(chamber):
-        return
-    if np.max(chamber) > np.max(supply):  # else it may well have fed the booster, only otherwise
-        yield experiment, replace(experiment, pinned=others), (
-            f'supply_pressure: never exceeds {np.max(supply):.4g} Pa, and the declared model moves '
-            f'as measured with {declared.supply.pressure:.4g} Pa: it is not what fed the booster; '
-            'correct the column, or leave it out')
-
-
 def _reversed_position(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
     position = experiment.measured.get('valve_position', np.empty(0))
     if not len(known(position)):
@@ -173,4 +157,4 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
 
 
 SUPPOSITIONS: tuple[Supposition, ...] = (
-    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_position)
+    _another_unit_of_time, _in_mbar, _absolute, _reversed_position)

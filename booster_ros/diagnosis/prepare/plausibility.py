@@ -42,9 +42,7 @@ def check_declared(declared: PositionerParameters, source: str) -> None:
                               'give it in Pa, gauge')
 
 
-def check_scales(
-    columns: Mapping[str, Array], declared: PositionerParameters, source: str
-) -> None:
+def check_scales(columns: Mapping[str, Array], declared: PositionerParameters, source: str) -> None:
     """Raise RecordError where position or current cannot be of the declared valve."""
     position = columns.get('valve_position')
     if position is not None and np.isfinite(position).any():
@@ -66,9 +64,7 @@ def check_scales(
                 'ep_converter.gain and ep_converter.offset are')
 
 
-def out_of_reach(
-    columns: Mapping[str, Array], declared: PositionerParameters
-) -> tuple[str, ...]:
+def out_of_reach(columns: Mapping[str, Array], declared: PositionerParameters) -> tuple[str, ...]:
     """Return a sentence for each channel, SI units, that reaches what the declared valve cannot."""
     notes = []
     supply, travel = declared.supply.pressure, declared.actuator.travel
@@ -76,35 +72,25 @@ def out_of_reach(
             ('chamber_pressure', 'Pa', supply, 'supply'), ('back_pressure', 'Pa', supply, 'supply'),
             ('valve_position', 'm', travel, 'travel')):
         values = known(columns.get(name, np.empty(0)))
-        if not values.size or full <= 0.0:
-            continue
-        low, high = np.quantile(values, [1.0 - REACHED, REACHED])
+        low, high = np.quantile(values, [1.0 - REACHED, REACHED]) if len(values) else (0.0, 0.0)
         below = name == 'valve_position' and low < -LITTLE * full
-        if below or high > (1.0 + LITTLE) * full:
+        if full > 0.0 and (below or high > (1.0 + LITTLE) * full):
             notes.append(f'{name} goes from {low:.4g} to {high:.4g} {unit}, beyond the declared '
                          f'{what} of {full:.4g} {unit}: the declared valve cannot')
     return tuple(notes)
 
 
-def check_bench(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
-    """Raise RecordError where a flow bench is to find seats that the declared model keeps shut."""
-    if not experiment.is_flow_bench:
-        return
-    for name in BENCH:
-        if get(declared, name) <= 0.0:
-            raise RecordError(
-                f'{source}: a flow bench, around a booster without flow: {name} must be above 0')
-
-
 def check_drive(experiment: Experiment, declared: PositionerParameters, source: str) -> None:
-    """Raise RecordError where nothing drives the model and the declared booster is not shut."""
-    booster = declared.booster
-    if booster.opening_gain <= 0.0 or booster.max_area <= 0.0 or DRIVES & {*experiment.drives}:
-        return
-    raise RecordError(
-        f'{source}: nothing drives the model (control_current is missing, or 0 A in every row), '
-        'and the declared booster opens: declare booster.opening_gain: 0.0 if the chamber was shut '
-        'off, or leave out a current that did not drive the valve')
+    """Raise RecordError where a booster is shut that should not be, or open that nothing drives."""
+    shut = [name for name in BENCH if get(declared, name) <= 0.0]
+    if experiment.is_flow_bench and shut:
+        raise RecordError(
+            f'{source}: a flow bench, around a booster without flow: {shut[0]} must be above 0')
+    if not shut and not DRIVES & {*experiment.drives}:
+        raise RecordError(
+            f'{source}: nothing drives the model (control_current is missing, or 0 A in every '
+            'row), and the declared booster opens: declare booster.opening_gain: 0.0 if the chamber '
+            'was shut off, or leave out a current that did not drive the valve')
 
 
 def driven(experiment: Experiment) -> Experiment:
@@ -118,9 +104,8 @@ def driven(experiment: Experiment) -> Experiment:
         pinned={**experiment.pinned, 'chamber_pressure': bridged(experiment.time, pressure)})
 
 
-def without_stuck(
-    experiment: Experiment, declared: PositionerParameters, source: str
-) -> Experiment:
+def without_stuck(experiment: Experiment, declared: PositionerParameters, source: str
+                  ) -> Experiment:
     """
     Return the experiment without channels that never change where the declared model moves much.
 

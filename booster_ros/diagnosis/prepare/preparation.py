@@ -19,7 +19,7 @@ from booster_ros.diagnosis.prepare.feedback import with_noise_of_feedback
 from booster_ros.diagnosis.prepare.gaps import caught_up, gaps_that_hide
 from booster_ros.diagnosis.prepare.otherwise import check_taken_otherwise
 from booster_ros.diagnosis.prepare.plausibility import (
-    check_bench, check_drive, out_of_reach, stands_still, without_stuck)
+    check_drive, out_of_reach, stands_still, without_stuck)
 from booster_ros.diagnosis.prepare.rows import Rows, aligned
 from booster_ros.diagnosis.prepare.start_state import start_state, with_start_of_converter
 from booster_ros.diagnosis.prepare.timing import (
@@ -44,17 +44,15 @@ LEAST_NOISE = {'back_pressure': 5.0, 'supply_pressure': 5.0, 'chamber_pressure':
 0.03 um. Sensors resolve far less."""
 
 TRANSMITTER = 5e-4
-"""Noise of a position in a slow loop, as a share of the travel, where a record shows more: a valve
-that moves from row to row looks like noise, and transmitters have a tenth of a per cent at most."""
+"""Largest noise of a position in a slow loop, as a share of the travel, a transmitter's: there a
+valve that moves looks like noise."""
 
 SLOW_PERIOD = 0.04
-"""Shortest period of a controller, s, in a slow loop: a shorter one takes twice the time. What it
-changes in the declared model counts as noise."""
+"""Shortest period of a controller in a slow loop, s; what it changes counts as noise."""
 
 
-def prepare(
-    record: Record, declared: PositionerParameters, dwell: float | None = None
-) -> Experiment:
+def prepare(record: Record, declared: PositionerParameters, dwell: float | None = None
+            ) -> Experiment:
     """
     Return the experiment that is made of a record.
 
@@ -73,7 +71,12 @@ def prepare(
         experiment = _seen_slowly(experiment, declared)
     if not rows.quasi_static:
         experiment = _without_gaps(experiment, rows, declared)
-    experiment = _checked(experiment, declared, rows.source)
+    check_drive(experiment, declared, rows.source)
+    check_taken_otherwise(experiment, declared, rows.source)
+    experiment = without_stuck(experiment, declared, rows.source)
+    experiment = replace(experiment, notes=(*experiment.notes, *(
+        f'{name} stands still: every row has the same value'
+        for name, values in experiment.measured.items() if stands_still(values))))
     if rows.quasi_static:
         return experiment
     experiment = _with_doubt_of_timing(experiment, declared, rows.source)
@@ -146,21 +149,6 @@ def _without_gaps(experiment: Experiment, rows: Rows, declared: PositionerParame
     return replace(experiment, measured=compared, notes=(*experiment.notes, *left_out))
 
 
-def _checked(experiment: Experiment, declared: PositionerParameters, source: str) -> Experiment:
-    """
-    Return the experiment without channels that are stuck, those that stand still noted.
-
-    RecordError where its values cannot be of this valve.
-    """
-    check_drive(experiment, declared, source)
-    check_bench(experiment, declared, source)
-    check_taken_otherwise(experiment, declared, source)
-    experiment = without_stuck(experiment, declared, source)
-    return replace(experiment, notes=(*experiment.notes, *(
-        f'{name} stands still: every row has the same value'
-        for name, values in experiment.measured.items() if stands_still(values))))
-
-
 def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters, source: str
                           ) -> Experiment:
     """Return the experiment with what is not known of when its commands were given."""
@@ -169,10 +157,7 @@ def _with_doubt_of_timing(experiment: Experiment, declared: PositionerParameters
     told = with_sampled_commands(experiment, declared)
     if told is not experiment:
         _check_enough(told.measured, source, *told.notes[-1:])
-        return told
-    if commands_may_be_late(experiment):
-        return with_noise_of_timing(experiment, declared)
-    return experiment
+    return with_noise_of_timing(told, declared) if commands_may_be_late(told) else told
 
 
 def _current(columns: Mapping[str, Array], role: Roles, quasi_static: bool) -> Array:
@@ -191,7 +176,7 @@ def _drive_noise(name: str, sampled: Array, calm: list[slice]) -> DriveNoise:
     """
     Return the noise of a measured drive from its samples, before rows between them are filled.
 
-    The steps between its values do not count: levels at which it stood are no resolution.
+    Steps between its values do not count: levels at which it stood are no resolution.
     """
     coloured = noise_of(sampled, calm)
     level = coloured.level if coloured.correlation else np.nan_to_num(white_noise(sampled))

@@ -36,8 +36,8 @@ class Rows:
     The rows of a record that an experiment is made of, by column, SI units.
 
     `columns` has measured drives filled between their samples, `sampled` has them as they were.
-    `time` counts from the first row, at `begins`, s in the record's clock. `usable` rows have known
-    drives. `left_out` says what of the record is not there, `notes` that and all else.
+    `time` counts from `begins`, s in the record's clock. `usable` rows have known drives.
+    `left_out` says what of the record is not there, `notes` that and all else.
     """
 
     source: str
@@ -161,9 +161,7 @@ def _sparse(record: Record, compared: Collection[str]) -> dict[str, str]:
     return sparse if len(sparse) < len(counts) else {}
 
 
-def _from_known_start(
-    record: Record, role: Roles
-) -> tuple[dict[str, Array], tuple[str, ...]]:
+def _from_known_start(record: Record, role: Roles) -> tuple[dict[str, Array], tuple[str, ...]]:
     """Return the columns from the first row with drives and start to the last row with drives."""
     drives = list(role.drives)
     needed = drives + [name for name in ('chamber_pressure',) if name in role.compared]
@@ -188,9 +186,8 @@ def _left_out(record: Record, needed: list[str], first: int, last: int | None) -
     return (f'rows {rows[0]} to {rows[-1]} left out: they lack {" or ".join(lacking)}',)
 
 
-def _usable_rows(
-    time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
-) -> Array:
+def _usable_rows(time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
+                 ) -> Array:
     """Return which rows have known drives that, in a sweep, were dwelt on."""
     usable = np.ones(len(time), dtype=bool)
     for name in role.drives:

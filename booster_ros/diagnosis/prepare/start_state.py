@@ -16,15 +16,14 @@ from booster_ros.model.memory import Departure
 from booster_ros.model.system import PositionerParameters
 
 _FIRST_ROWS = 5
-"""Number of first rows, which are averaged if the signal stands still in them."""
+"""Number of first rows, which are averaged if they stand still."""
 
 FIRST_SECONDS = 3.0
 """Time from the first row on, s, that tells where the record starts."""
 
 
-def start_state(
-    columns: Mapping[str, Array], declared: PositionerParameters, noise: Mapping[str, float]
-) -> Initial:
+def start_state(columns: Mapping[str, Array], declared: PositionerParameters,
+                noise: Mapping[str, float]) -> Initial:
     """Return the start in SI units; what was not measured follows from the declared parameters."""
     pressure, position = (first_value(columns[name], noise[name]) if name in columns else None
                           for name in ('chamber_pressure', 'valve_position'))
@@ -47,8 +46,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     """
     Return the experiment with the E/P converter starting away from settled where it evidently did.
 
-    A record may begin with its first command while the converter is still at an earlier one. Then
-    the first seconds call for a far different back pressure.
+    A record may begin with its first command while the converter is still at an earlier one.
     """
     first = experiment.until(float(experiment.time[0]) + FIRST_SECONDS)
     if len(first.time) < FEWEST:  # then it is taken as settled
@@ -74,14 +72,9 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     return replace(experiment, initial=taken.initial, notes=(*experiment.notes, note))
 
 
-def _unmeasured_pressure(
-    columns: Mapping[str, Array], declared: PositionerParameters, position: float | None
-) -> float:
-    """
-    Return the chamber pressure, Pa gauge, at which a record without it must have started.
-
-    Off the stops the spring tells it; elsewhere it is where the booster settles.
-    """
+def _unmeasured_pressure(columns: Mapping[str, Array], declared: PositionerParameters,
+                         position: float | None) -> float:
+    """Return the chamber pressure, Pa gauge, at the start, by the spring or where that settles."""
     act, drop = declared.actuator, float(columns.get('pressure_drop', np.zeros(1))[0])
     opens, opened = (end + act.plug_area * drop / act.effective_area for end in act.bench_set)
     settled = _settled_pressure(columns, declared)
@@ -97,12 +90,10 @@ def _unmeasured_pressure(
 
 def _settled_pressure(columns: Mapping[str, Array], declared: PositionerParameters) -> float:
     """Return the pressure at which the three diaphragms balance in the first row."""
-    supply = declared.supply.pressure
-    if 'supply_pressure' in columns:
-        supply = float(columns['supply_pressure'][0])
-    back = float(columns['back_pressure'][0]) if 'back_pressure' in columns else np.nan
+    supply, back, current = (float(columns.get(name, [otherwise])[0]) for name, otherwise in (
+        ('supply_pressure', declared.supply.pressure), ('back_pressure', np.nan),
+        ('control_current', 0.0)))
     if not np.isfinite(back):  # compared channels may begin later
-        current = float(columns['control_current'][0]) if 'control_current' in columns else 0.0
         back = settled_back_pressure(declared.ep_converter, current, supply, 0.0, 0.0)
     b = declared.booster
     return min(max((back * b.s1 - supply * (b.s2 - b.s3)) / b.s3, 0.0), supply)

@@ -39,11 +39,7 @@ FEWEST = 5
 
 
 def commands_may_be_late(experiment: Experiment) -> bool:
-    """
-    Tell whether rows are stamped by another clock than that of the commands.
-
-    Commands that were read now and then are known no closer, and run straight from row to row.
-    """
+    """Tell whether rows are stamped by another clock than that of the commands."""
     if (experiment.quasi_static or experiment.ends is not None
             or np.ptp(experiment.current) == 0.0):
         return False
@@ -65,10 +61,9 @@ def with_late_commands(experiment: Experiment, rng: np.random.Generator) -> Expe
         rng.random(len(before)) < late, before, experiment.current))
 
 
-def drawn_runs(
-    drawn: Callable[[Experiment, np.random.Generator], Experiment], experiment: Experiment,
-    parameters: PositionerParameters, initial: Initial
-) -> list[dict[str, Array]]:
+def drawn_runs(drawn: Callable[[Experiment, np.random.Generator], Experiment],
+               experiment: Experiment, parameters: PositionerParameters, initial: Initial
+               ) -> list[dict[str, Array]]:
     """Return what the model predicts for several drawn experiments."""
     rng = np.random.default_rng(1)
     return [drawn(experiment, rng).predict(parameters, initial) for _ in range(DRAWS)]
@@ -115,8 +110,7 @@ def _ahead_of_commands(experiment: Experiment, declared: PositionerParameters) -
     """
     Tell whether the valve moves before the row that has its command.
 
-    Asked only where rows are further apart than the time that the E/P converter takes: there it
-    shows, and matters.
+    It shows, and matters, where rows are further apart than the time that the E/P converter takes.
     """
     current = experiment.current
     apart = float(np.median(np.diff(experiment.time)))

@@ -57,8 +57,8 @@ class Task:
     """
     What is to be explained, by what.
 
-    `names` are the effects to try, `places` where a term without a name is tried; the search takes
-    one of every `thinning` rows.
+    `names` are the effects, `places` those of terms without a name; the search takes one of every
+    `thinning` rows.
     """
 
     experiment: Experiment

@@ -45,9 +45,8 @@ def _begun(problem: Problem, reference: Fit, likely: list[Term]) -> dict[str, tu
     """
     Return the first steps with each term that reaches furthest, in the order of `terms`.
 
-    Of the same term with several pasts, the one that reaches furthest. Steps begin with the
-    declared parameters as given: those that were fitted without the term have imitated it. Terms
-    over time come last: they say what was, not what comes.
+    Of several pasts the one that reaches furthest counts. Steps begin with the declared parameters
+    as given, as the fitted ones have imitated it. Terms over time come last.
     """
     reached: dict[str, tuple[float, Problem, Array]] = {}
     for one, reach in zip(likely, side_by_side(
