@@ -89,8 +89,8 @@ def check_drive(experiment: Experiment, declared: PositionerParameters, source: 
     if not shut and not DRIVES & {*experiment.drives}:
         raise RecordError(
             f'{source}: nothing drives the model (control_current is missing, or 0 A in every '
-            'row), and the declared booster opens: declare booster.opening_gain: 0.0 if the chamber '
-            'was shut off, or leave out a current that did not drive the valve')
+            'row), and the declared booster opens: declare booster.opening_gain: 0.0 if the '
+            'chamber was shut off, or leave out a current that did not drive the valve')
 
 
 def driven(experiment: Experiment) -> Experiment:
