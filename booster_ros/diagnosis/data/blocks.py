@@ -99,9 +99,8 @@ def _cut(clock: Array, changes: Array, shortest: float, longest: float) -> list[
         fine.extend(np.linspace(first, last, parts + 1).astype(int)[:-1].tolist())
     fine.append(len(clock))
     begin_test = clock[0] + (1.0 - TESTED) * (clock[-1] - clock[0])
-    middles = [0.5 * (clock[first] + clock[last - 1]) for first, last in pairwise(fine)]
-    return [Segment(first, last, 'test' if middle > begin_test else 'train')
-            for (first, last), middle in zip(pairwise(fine), middles)]
+    return [Segment(first, last, 'test' if 0.5 * (clock[first] + clock[last - 1]) > begin_test
+                    else 'train') for first, last in pairwise(fine)]
 
 
 def split_sweep(rows: int) -> list[Segment]:

@@ -157,8 +157,8 @@ BENCH_RANGE = 20.0
 """Factor by which the bench may find these two off what was declared, up or down."""
 
 SOFTEST_STOP, HARDEST_STOP = 0.4, 10.0
-"""Bounds of the stiffness of the stops, as shares of the declared one: softer it is a soft seat,
-harder no sensor sees them yield."""
+"""Bounds of the stiffness of the stops, as shares of the declared one: softer stops are soft seats,
+and no sensor sees harder ones yield."""
 
 
 def declared_freedom(p: PositionerParameters, experiment: Experiment) -> list[Free]:

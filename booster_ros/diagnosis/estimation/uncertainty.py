@@ -32,8 +32,8 @@ class Interval:
     """
     A value with its 95 % interval.
 
-    With `open_above` anything from `low` up may be true, and none as well, as of a stiffness, whose
-    none is 0 and stands beyond all that is large; `high` is then the largest that is looked for.
+    With `open_above` anything from `low` up may be true, and none as well: none of a stiffness is
+    0, and stands beyond all that is large. `high` is then the largest that is looked for.
     """
 
     value: float

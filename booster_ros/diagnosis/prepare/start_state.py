@@ -74,7 +74,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
 
 def _unmeasured_pressure(columns: Mapping[str, Array], declared: PositionerParameters,
                          position: float | None) -> float:
-    """Return the chamber pressure, Pa gauge, at the start, by the spring or where that settles."""
+    """Return the first chamber pressure, Pa gauge: the spring tells it, at a stop the booster."""
     act, drop = declared.actuator, float(columns.get('pressure_drop', np.zeros(1))[0])
     opens, opened = (end + act.plug_area * drop / act.effective_area for end in act.bench_set)
     settled = _settled_pressure(columns, declared)
