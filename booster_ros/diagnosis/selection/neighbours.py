@@ -4,7 +4,8 @@
 The neighbours of a model in a stepwise selection: the models with one effect more.
 
 1. What all but noise explains already, as it is declared, may lack a small effect only: a score
-   test on every row tells which promise enough, and these are fitted.
+   test on every row tells which promise enough, and these are fitted. Not where a loop leaves
+   something to chance: over steps in the cost the slopes of that test lead astray.
 2. Else, screen every effect on thinned rows, take the first steps of a fit from where screening
    leads, and fit those that get furthest to their end; where none of them leaves noise, the others
    as well.
@@ -96,8 +97,9 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
     wanted = [name for name in names
               if name not in parent.effects and not redundant(name, parent.effects)]
     # with steps in the cost, what is left around a refit tells little of what it has imitated
-    imitated = _far_off(parent) and (leaves_noise(parent) or bool(task.experiment.chance))
-    if leaves_noise(parent) and not imitated:
+    rough = bool(task.experiment.chance)
+    imitated = _far_off(parent) and (leaves_noise(parent) or rough)
+    if leaves_noise(parent) and not imitated and not rough:
         begun = _small(task, parent, wanted)
         # what had imitated the effect may have gone far: they begin as given as well
         return Neighbours([
