@@ -34,6 +34,8 @@ def test_a_sweep_in_absolute_pressure_is_refused():
     ('valve_position', lambda x: 0.1 * x + 0.09, 'declared travel is 0.016 m'),
     ('valve_position', lambda x: -x, 'reverse its sign'),
     ('control_current', lambda i: 0.004 + 16.0 * i, 'the supply has 4e+05'),
+    ('control_current', lambda i: 8.2e-4 - i, 'less the current'),
+    ('control_current', lambda i: np.max(i) - i, 'less the current'),
     ('time', lambda t: 1e3 * t, 'if they are 100 milliseconds apart'),
     ('time', lambda t: 1e6 * t, 'if they are 1e+05 microseconds apart'),
     ('time', lambda t: t / 3600.0, 'hours apart'),
@@ -45,6 +47,21 @@ def test_values_of_another_scale_are_refused_before_they_become_an_effect(column
     with pytest.raises(RecordError, match=rf'^plant\.csv, column {column}: ') as caught:
         prepare(record_of(**columns), DECLARED)
     assert says in str(caught.value)
+
+
+def test_a_level_that_is_far_off_does_not_make_a_converter_reverse_acting():
+    """The chamber is slow, so that its pressure hardly goes with a current that swings fast."""
+    time = np.arange(0.0, 40.0, 0.05)
+    current = 0.433e-3 + 5e-6 * sum(np.sin(2.0 * np.pi * f * time) for f in (0.62, 0.75, 0.88))
+    leaking = DECLARED._replace(actuator=DECLARED.actuator._replace(leak_area=2e-7))
+    run = simulate(leaking, time, current, {'chamber_pressure': 2.1e5})
+    random = np.random.default_rng(0)
+    columns = {'time': time, 'control_current': current, **{
+        name: run[name] + noise * random.standard_normal(len(time))
+        for name, noise in (('chamber_pressure', 150.0), ('valve_position', 8e-6))}}
+    settled = {name: values[200:] for name, values in columns.items()}
+    assert np.corrcoef(settled['control_current'], settled['chamber_pressure'])[0, 1] < 0.0
+    prepare(record_of(**settled), DECLARED)
 
 
 def test_time_in_ms_of_rows_that_are_one_apart_is_refused():
@@ -75,6 +92,27 @@ def stepped(plant, levels=(3.6, 4.3, 3.9, 4.5)):
             **{name: run[name] for name in ('chamber_pressure', 'valve_position')}}
 
 
+@pytest.mark.parametrize(('levels', 'total'), [
+    ((4.02, 4.07, 3.69, 4.38), 0.94e-3), ((4.5, 4.29, 4.32, 4.48), 1.17e-3),
+    ((4.08, 3.68, 4.34, 3.85), 1.5e-3)])
+def test_a_reversed_current_is_found_among_many_that_leave_the_valve_open_or_shut(levels, total):
+    columns = stepped(DECLARED, levels)
+    prepare(record_of(**columns), DECLARED)
+    columns['control_current'] = total - columns['control_current']
+    with pytest.raises(RecordError, match=rf'moves as measured with {total:.4g} A less the curr'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_an_absolute_pressure_of_a_booster_with_a_dead_band_is_refused():
+    columns = stepped(DECLARED._replace(booster=DECLARED.booster._replace(
+        intake_preload=0.1, exhaust_preload=0.1)))
+    prepare(record_of(**columns), DECLARED)
+    columns['chamber_pressure'][200:220] = np.nan
+    columns['chamber_pressure'] += 101_325.0
+    with pytest.raises(RecordError, match=r'column chamber_pressure: .* looks like absolute'):
+        prepare(record_of(**columns), DECLARED)
+
+
 def test_a_stem_that_moves_at_another_pressure_than_declared_is_of_no_absolute_one():
     """With an atmosphere less it would move nearly as measured; but the booster is as declared."""
     harder = DECLARED._replace(actuator=DECLARED.actuator._replace(bench_set=(230e3, 380e3)))
@@ -103,7 +141,7 @@ def test_a_position_that_counts_from_open_is_refused(driven):
     if not driven:
         del columns['control_current']
     columns['valve_position'] = 0.016 - columns['valve_position']
-    with pytest.raises(RecordError, match='which is open for a valve that air closes'):
+    with pytest.raises(RecordError, match='for a valve that air closes, subtract it'):
         prepare(record_of(**columns), DECLARED)
 
 
@@ -204,6 +242,26 @@ def test_a_supply_an_atmosphere_above_the_declared_one_is_no_absolute_one_if_the
     assert 'supply_pressure' in prepare(record_of(**columns), DECLARED).drives
 
 
+@pytest.mark.parametrize('read', [0.0, 150e3])
+def test_a_supply_from_which_the_chamber_cannot_have_been_filled_is_refused(read):
+    columns = driven_by(['supply_pressure'])
+    assert columns['chamber_pressure'].max() > 250e3
+    columns['supply_pressure'] = np.full(ROWS, read)
+    with pytest.raises(RecordError, match=r'never exceeds .* Pa, .* not what fed the booster'):
+        prepare(record_of(**columns), DECLARED)
+
+
+def test_a_chamber_that_only_falls_from_above_its_supply_was_filled_before():
+    time = 0.1 * np.arange(ROWS)
+    lost = DECLARED._replace(supply=DECLARED.supply._replace(pressure=50e3))
+    run = simulate(lost, time, np.full(ROWS, 0.43e-3), {'chamber_pressure': 280e3})
+    assert np.ptp(run['chamber_pressure']) > 50e3
+    columns = {'time': time, 'control_current': np.full(ROWS, 0.43e-3),
+               **{name: run[name] for name in (
+                   'chamber_pressure', 'valve_position', 'supply_pressure')}}
+    assert 'supply_pressure' in prepare(record_of(**columns), DECLARED).drives
+
+
 def test_a_supply_far_below_the_declared_one_is_no_other_unit_where_the_model_follows_it():
     time = 0.1 * np.arange(ROWS)
     current = np.where(time < 10.0, 0.38e-3, 0.40e-3)
@@ -253,4 +311,16 @@ def test_a_pressure_that_hardly_moves_for_a_leak_is_in_no_other_unit():
     columns = step_test()
     run = simulate(leaking, columns['time'], columns['control_current'], {'chamber_pressure': 20e3})
     columns['chamber_pressure'] = run['chamber_pressure']
+    assert prepare(record_of(**columns), DECLARED).channels
+
+
+def test_a_current_that_falls_while_the_valve_fills_for_another_reason_is_not_reversed():
+    """The supply comes back while the current goes down: pressure rises all the same."""
+    time = TIME['time']
+    rising = {'supply_pressure': np.interp(time, [0.0, time[-1]], [100e3, 400e3])}
+    current = np.interp(time, [0.0, time[-1]], [4.6e-4, 4.4e-4])
+    run = simulate(DECLARED, time, current, {'chamber_pressure': 90e3}, rising)
+    columns = {'time': time, 'control_current': current, **rising,
+               **{name: run[name] for name in ('chamber_pressure', 'valve_position')}}
+    assert np.corrcoef(current, columns['chamber_pressure'])[0, 1] < -0.9
     assert prepare(record_of(**columns), DECLARED).channels

@@ -45,14 +45,8 @@ SLOW = 0.3
 """Distance of rows, s, in one or two of which a valve behind a controller has come to rest: what
 holds or slows it shows in how the loop lags alone."""
 
-OUTPUT_OF = {
-    'back_pressure': 'back_pressure',
-    'supply_pressure': 'supply_pressure',
-    'mass_flow': 'mass_flow',
-    'chamber_pressure': 'measured_chamber_pressure',
-    'valve_position': 'measured_valve_position',
-}
-"""The model's output that a channel of a record is compared with."""
+OUTPUT_OF = {name: f'measured_{name}' for name in ('chamber_pressure', 'valve_position')}
+"""The model's output that a channel of a record is compared with, where it has another name."""
 
 UNITS = {'set_point': 'm', 'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass_flow': 'kg/s',
          'chamber_pressure': 'Pa', 'valve_position': 'm', 'pressure_drop': 'Pa'}
@@ -230,7 +224,7 @@ class Experiment:
                 ) -> dict[str, Array]:
         """Return what the model says each compared channel reads."""
         run = self.simulate(parameters, initial)
-        return {name: run[OUTPUT_OF[name]] for name in self.measured}
+        return {name: run[OUTPUT_OF.get(name, name)] for name in self.measured}
 
     def thinned(self, factor: int) -> tuple['Experiment', Array]:
         """

@@ -35,7 +35,9 @@ def with_noise_of_feedback(experiment: Experiment, declared: PositionerParameter
         return replace(one, current=one.current + level * rng.standard_normal(len(one.current)))
 
     several = drawn_runs(seen, experiment, declared, experiment.initial)
-    added = apart(several)
+    # the mean square difference of two runs is twice the variance between all of them
+    added = {name: float(np.sqrt(2.0 * np.mean(np.var([run[name] for run in several], axis=0,
+                                                      ddof=1)))) for name in several[0]}
     noise = {name: float(np.hypot(one, added[name])) for name, one in experiment.noise.items()}
     usual = {name: np.mean([run[name] for run in several], axis=0) for name in noise}
     return replace(experiment, noise=noise, chance={
@@ -47,10 +49,3 @@ def _carried_over(time: Array, departures: list[Array]) -> float:
     """Return for how long, s, departures carry over, as those of a first-order process do."""
     rows = float(np.mean([autocorrelation_time(one) for one in departures]))
     return 0.5 * rows * float(np.median(np.diff(time)))
-
-
-def apart(several: list[dict[str, Array]]) -> dict[str, float]:
-    """Return by how much two of several runs differ: RMS of each channel, SI."""
-    # the mean square difference of two runs is twice the variance between all of them
-    return {name: float(np.sqrt(2.0 * np.mean(np.var(
-        [run[name] for run in several], axis=0, ddof=1)))) for name in several[0]}

@@ -8,6 +8,8 @@ What a record may be instead of what it says: a table of suppositions, judged by
 | time is in another unit | its time in that unit | rows are not as far apart as is usual |
 | pressures are in mbar | a hundred times as much | they are far below the supply |
 | pressures are absolute | an atmosphere less | they are never below the atmosphere |
+| the supply is another one's | the supply as declared | the chamber rises above the measured one |
+| the current is reversed | a current less the recorded one | pressure falls as it rises |
 | the position is reversed | its negative | there is a position |
 
 Fitted all the same, such a record comes out as an effect, as absolute pressure does as a process
@@ -21,6 +23,8 @@ import itertools
 
 import numpy as np
 from scipy.constants import day, hour, micro, milli, minute, nano
+from scipy.optimize import brute
+from scipy.stats import spearmanr
 
 from booster_ros.diagnosis.data.experiment import Array, Experiment, rmse
 from booster_ros.diagnosis.prepare.plausibility import LITTLE, driven, known
@@ -36,7 +40,7 @@ EXPLAINED = 0.3
 """Share of the error left where a record is to be taken otherwise: a tenth of its square."""
 
 SMALLEST = 1e-12
-"""Least that a channel is taken to move (SI): errors are told as shares of how much it moves."""
+"""Least that a channel is taken to move, SI."""
 
 PRESSURES = ('supply_pressure', 'back_pressure', 'chamber_pressure')
 
@@ -44,6 +48,9 @@ SECONDS = {'nanoseconds': nano, 'microseconds': micro, 'milliseconds': milli, 'm
            'hours': hour, 'days': day}
 USUAL_STEP = (1e-3, 1.0)
 """Usual distance of rows in seconds: rows of another unit have it in that unit, not in seconds."""
+
+LEVELS = 41
+"""Currents to begin with, up to twice what opens the converter: most leave it shut or open."""
 
 FEW = 400
 """Rows that tell how the declared model does where it has settled in each: months in microseconds
@@ -136,6 +143,47 @@ def _absolute(experiment: Experiment, declared: PositionerParameters) -> Iterato
             'less, which looks like absolute pressure: subtract that of the atmosphere')
 
 
+def _another_supply(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    others = dict(experiment.pinned)
+    supply = np.max(others.pop('supply_pressure', np.inf))
+    chamber = known(experiment.measured.get('chamber_pressure', np.empty(0)))
+    if not experiment.quasi_static and np.max(chamber, initial=0.0) > supply:
+        yield experiment, replace(experiment, pinned=others), (
+            f'supply_pressure: never exceeds {supply:.4g} Pa, and the declared model moves as '
+            f'measured with {declared.supply.pressure:.4g} Pa: it is not what fed the booster; '
+            'correct the column, or leave it out')
+
+
+def _reversed_current(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
+    name = next((name for name in PRESSURES if name in experiment.measured), '')
+    if not name or experiment.quasi_static or experiment.in_loop:
+        return
+    measured, current = experiment.measured[name], experiment.current
+    rows = np.isfinite(measured)
+    both = current[rows], measured[rows]
+    if min(map(np.ptp, both)) == 0.0 or spearmanr(*both).statistic >= 0.0:
+        return
+    full = declared.supply.pressure / declared.ep_converter.gain
+
+    def counted(way: float) -> tuple[float, Experiment]:
+        """Return where the least current suits best, with it that way up, and the record so."""
+        def moved(least: float) -> Experiment:
+            return replace(experiment, measured={name: measured},
+                           current=least + way * current - np.min(way * current))
+
+        least = float(brute(
+            lambda at: rmse(measured, moved(float(at[0])).predict(declared)[name], rows),
+            ((0.0, 2.0 * full),), Ns=LEVELS)[0])
+        return least, moved(least)
+
+    # both from where suits best: a level that is off is no reason to turn what moves
+    least, reversed_so = counted(-1.0)
+    yield counted(1.0)[1], reversed_so, (
+        'control_current: the declared model moves as measured with '
+        f'{least + np.max(current):.4g} A less the current: the converter is reverse-acting, or '
+        'the wires are swapped; convert the column to the current of a direct-acting one')
+
+
 def _reversed_position(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
     position = experiment.measured.get('valve_position', np.empty(0))
     if not len(known(position)):
@@ -149,12 +197,10 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
             np.mean(predicted - way * known(position)))})
 
     yield counted(1.0), counted(-1.0), (
-        'valve_position: lies mostly below 0 and falls where the declared model opens: reverse its '
-        'sign, positions count from where the vented stem rests' if np.nansum(position) < 0.0 else
-        'valve_position: falls where the declared model opens: positions count from where the '
-        'vented stem rests, which is open for a valve that air closes (subtract them from the '
-        'travel)')
+        'valve_position: falls where the declared model opens: reverse its sign, or, for a valve '
+        'that air closes, subtract it from the travel (positions count from the vented stem)')
 
 
 SUPPOSITIONS: tuple[Supposition, ...] = (
-    _another_unit_of_time, _in_mbar, _absolute, _reversed_position)
+    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_current,
+    _reversed_position)

@@ -136,9 +136,8 @@ def _check_time(record: Record) -> None:
 def check_length(time: Array, source: str, swept: bool = False) -> None:
     """Raise RecordError where one run of the model over these times, s, would take minutes."""
     if time[-1] - time[0] > LONGEST_RUN:
-        column, remedy = ('', 'a sweep needs fewer rows, or rows that stand for less, a record in '
-                          'time needs the column time') if swept else (
-            ', column time', 'time must be in s, or cut the record')
+        column, remedy = ('', 'a sweep needs fewer rows, any other record the column time') \
+            if swept else (', column time', 'time must be in s, or cut the record')
         raise RecordError(
             f'{source}{column}: lasts {time[-1] - time[0]:.3g} s, and no more than '
             f'{LONGEST_RUN:g} s are compared with the model: {remedy}')

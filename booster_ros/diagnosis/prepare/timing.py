@@ -85,13 +85,13 @@ def with_sampled_commands(experiment: Experiment, declared: PositionerParameters
     current = experiment.current
     following = np.append(current[1:], current[-1:])
     jumps = np.abs(following - current) > LITTLE * np.ptp(current)
-    rng = np.random.default_rng(1)
-    runs = []
-    for _ in range(DRAWS):
-        taken = np.where(rng.random(len(current)) < 0.5, current, following)
-        runs.append(replace(
-            experiment, current=np.where(jumps, taken, current),
-            ends=np.where(jumps, taken, following)).predict(declared))
+
+    def taken(one: Experiment, rng: np.random.Generator) -> Experiment:
+        given = np.where(rng.random(len(current)) < 0.5, current, following)
+        return replace(one, current=np.where(jumps, given, current),
+                       ends=np.where(jumps, given, following))
+
+    runs = drawn_runs(taken, experiment, declared, experiment.initial)
     measured = {
         name: np.where(np.ptp([run[name] for run in runs], axis=0) > experiment.noise[name],
                        np.nan, values)

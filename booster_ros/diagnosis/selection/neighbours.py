@@ -82,8 +82,7 @@ def _drawn(problem: Problem) -> list[Array]:
     """
     Return places drawn from the priors of the declared parameters.
 
-    Where a controller ends in its dead zone on one side or the other, the cost jumps, and a descent
-    does not get over each of these steps: of single ones half end within noise of the best.
+    Over steps in the cost half of single descents end within noise of the best.
     """
     rng = np.random.default_rng(1)
     several = rng.standard_normal((BEST, len(problem.freedoms)))
@@ -163,11 +162,11 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
         return one, first_steps(problem, one)
 
     steps = side_by_side(begun, _screened(problem, found, smooth, imitated, tick))
-    order = list(enumerate(_furthest(
-        steps, found.cost - NOTICEABLE * parent.score.dispersion)))
+    order = _furthest(steps, found.cost - NOTICEABLE * parent.score.dispersion)
 
-    def to_its_end(place: int, one: Screened, end: Fit) -> Model:
+    def to_its_end(place: int) -> Model:
         tick()
+        one, end = order[place]
         starts = [end.z]
         # what had imitated the effect may have gone far: the best begin as given as well
         if place < BEST // 2:
@@ -176,10 +175,8 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
             starts += [nominal(one.problem, begin) for _, begin, _ in one.starts]
         return task.scored((*parent.effects, one.effect), one.problem, fit(one.problem, starts))
 
-    def all_to_their_end(some: list[tuple[int, tuple[Screened, Fit]]]) -> list[Model]:
-        return side_by_side(lambda one: to_its_end(one[0], *one[1]), some)
-
-    ended = all_to_their_end(order[:BEST])
+    places = range(len(order))
+    ended = side_by_side(to_its_end, places[:BEST])
     # slips are slow to simulate, and nothing calls for them where another effect leaves noise
     if not any(one.reduced_chi2 < NOISE for one in ended):
         for name in (name for name in names if EFFECTS[name].rubs):
@@ -187,7 +184,7 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
             tick()
     # first steps say little where an effect bends what it acts on, as a limit of speed does
     if not any(leaves_noise(one) or idealised(one, parent) for one in ended):
-        ended += all_to_their_end(order[BEST:])
+        ended += side_by_side(to_its_end, places[BEST:])
     return ended
 
 

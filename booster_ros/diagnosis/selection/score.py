@@ -10,10 +10,6 @@ what is known of z beforehand, and the over-dispersion c,
 
 is Laplace's approximation to the evidence (D. MacKay, Neural Computation 4 (1992) 415).
 
-Predicting each block from the others by a linear solve (PRESS) was tried as a second criterion and
-given up: where one block alone shows a parameter, the step that leaves it out goes to where nothing
-is linear, and right effects were turned down for that.
-
 What no candidate explains is an error of all of them: real valves differ from every model, and
 what is left is neither white nor of the size of the noise. So likelihoods are tempered by c, the
 over-dispersion and autocorrelation of what the best candidate leaves (quasi-likelihood: P.

@@ -8,8 +8,8 @@ variables e. Judging an effect by how alike its trace and the residual are misle
 declared parameters can imitate part of it. So what they can imitate is projected off:
 
 1. for each of a few sizes e of the effect, simulate once and form the residuals r(z, e);
-2. let the reference variables react linearly: z <- z - J+ r, priors included; what remains is the
-   cost that this size can reach;
+2. let the reference variables react linearly: z <- z - J+ r, priors included; what remains is its
+   cost;
 3. what remains runs nearly straight from size 0 to e, which tells the size at which it should be
    least: of the trials that promise most there, simulate four at that size;
 4. linear reckoning fails where the variables react by much. So, for the effects that do best, the
@@ -203,11 +203,10 @@ def references(problem: Problem, found: Fit) -> list[Reference]:
     """
     Return what to screen around: the fit, and the same effects with what is told at rest fitted.
 
-    A refit without the effect may have bent the declared parameters so far to imitate it that
-    the true ones are out of linear reach; the given ones are near them. But a pressure that is
-    off at every rest, as a gain may be off by a percent, hides what the given ones lack. With the
-    measured stem as a drive, nothing shifts the rests but what is looked for: it is none there. And
-    what has to be further off than is known of it imitates what shifts them: then also as given.
+    A refit without the effect may have bent the declared parameters to imitate it, so that the true
+    ones are out of linear reach; the given ones are near them. But a pressure that is off at every
+    rest hides what those lack, unless the measured stem drives: then nothing else shifts the rests.
+    What has to be further off than is known of it imitates what does: then also as given.
     """
     if not any(free.as_given for free in problem.freedoms):
         return [reference_at(problem, found)]
@@ -246,8 +245,8 @@ def screen(problem: Problem, around: list[Reference], name: str, frequencies: It
     for reference in around:
         trials = [_tried(problem, joint, reference, e)
                   for e in _sizes_to_try(free, frequencies, multiples)]
-        further = sorted(trials, key=lambda trial: trial.promised)[:BEST]
-        trials += [_lengthened(problem, joint, reference, trial) for trial in further]
+        trials += [_tried(problem, joint, reference, trial.length) for trial in sorted(
+            trials, key=lambda trial: trial.promised)[:BEST]]
         if trials:
             best = min(trials, key=lambda trial: trial.cost)
             found.append((best.cost, np.clip(best.z, *joint.bounds()), reference))
@@ -286,9 +285,3 @@ def _tried(problem: Problem, joint: Problem, reference: Reference, e: Array) -> 
     length = np.clip(neutral + share * (e - neutral), [f.low for f in free], [f.high for f in free])
     promised = reference.left + share * change
     return _Trial(z, float(left @ left), length, float(promised @ promised))
-
-
-def _lengthened(problem: Problem, joint: Problem, reference: Reference, trial: _Trial) -> _Trial:
-    """Return the trial at the size that promised most."""
-    left, z = _reach(problem, joint, reference, trial.length)
-    return replace(trial, z=z, cost=float(left @ left))

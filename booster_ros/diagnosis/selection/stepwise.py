@@ -111,7 +111,9 @@ def select(task: Task, tell: Progress) -> Selection:
         tell('looking for a discrepancy without a name', 0.75)
         unnamed = best_terms(task, root)
         trace.models += unnamed
-        chosen = _replaced(task, chosen, unnamed, trace)
+        best = near_best(unnamed, TIE)[0] if unnamed else chosen
+        if unnamed and trace.accepts(task, best, chosen, unnamed, len(unnamed)):
+            chosen = best
     return Selection(root, chosen, named, tuple(trace.models), tuple(trace.steps))
 
 
@@ -201,11 +203,3 @@ def _deleted(task: Task, chosen: Model, trace: _Trace) -> Model:
         if not trace.accepts(task, chosen, smaller, [], len(task.names)):
             chosen = smaller
     return chosen
-
-
-def _replaced(task: Task, chosen: Model, unnamed: list[Model], trace: _Trace) -> Model:
-    """Return the best term without a name where the record calls for it in the place of names."""
-    if not unnamed:
-        return chosen
-    best = near_best(unnamed, TIE)[0]
-    return best if trace.accepts(task, best, chosen, unnamed, len(unnamed)) else chosen
