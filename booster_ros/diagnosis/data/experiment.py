@@ -173,11 +173,12 @@ class Experiment:
             state['chamber_pressure'] = start.chamber_pressure
         if start.valve_position is not None and 'valve_position' not in self.pinned:
             state['valve_position'] = start.valve_position
-        parameters = self._controlled(parameters)
+        c = parameters.position_controller
+        c = c._replace(enabled=self.in_loop, period=max(c.period, self.least_period))
         time, current, pinned, at = self._course()
         run = simulate(
-            parameters, time, current, state, pinned, self.tolerance, departure=start.departure,
-            longest_interval=self._longest_interval())
+            parameters._replace(position_controller=c), time, current, state, pinned,
+            self.tolerance, departure=start.departure, longest_interval=self._longest_interval())
         return Simulation({name: values[at] for name, values in run.columns.items()},
                           run.final_state)
 
@@ -187,12 +188,6 @@ class Experiment:
             return LONGEST_INTERVAL
         apart = float(np.median(np.diff(self.time)))
         return min(max(apart / PARTS_OF_A_DRIVE, DEFAULT_LONGEST_INTERVAL), LONGEST_INTERVAL)
-
-    def _controlled(self, p: PositionerParameters) -> PositionerParameters:
-        """Return the parameters with the controller as this experiment needs it."""
-        c = p.position_controller
-        return p._replace(position_controller=c._replace(
-            enabled=self.in_loop, period=max(c.period, self.least_period)))
 
     def _course(self) -> tuple[Array, Array, dict[str, Array], Array | slice]:
         """Return time, standing current and measured drives to simulate, and where rows lie."""

@@ -54,9 +54,8 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     """
     Return the fit with those sizes back at neutral that the rows show less than their noise.
 
-    Its slopes are those of before: nothing seen has moved. Slopes also call a size unseen that lies
-    where nothing more changes, such as that of a seat so wide that it is never fully open. So the
-    model with the size at neutral is run before it is taken.
+    Its slopes are those of before. As a size may lie where nothing more changes, such as that of a
+    seat so wide that it is never fully open, the model with it at neutral is run before.
     """
     z, seen = found.z, found.seen
     for j, free in enumerate(problem.freedoms):
@@ -69,7 +68,8 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     return found if z is found.z else fit_at(problem, z, found.jacobian)
 
 
-def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
+def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array,
+                      rounds: int = ROUNDS) -> Array:
     """
     Return d(residuals)/dz at z by differences along the principal axes of a Jacobian.
 
@@ -77,18 +77,14 @@ def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array) -
 
     Columns of one-sided differences bend by a percent over their steps, which is more than what
     differs between variables that do nearly the same. Along an axis the step is as long as is
-    needed to see that axis; as the axes are off as well, it is done ROUNDS times.
+    needed to see that axis; as the axes are off as well, it is done in `rounds`.
 
     A size that is none stands at its bound. Where a bound is in the way on one side of an axis,
     the difference is formed on the other, of second order. Where bounds are in the way on both,
     variables that would go over theirs are left out of the step, and their own columns count.
     """
-    for _ in range(ROUNDS):
-        columns = _along_axes(problem, z, here, columns)
-    return columns
-
-
-def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
+    if rounds > 1:
+        columns = slopes_along_axes(problem, z, here, columns, rounds - 1)
     residuals = problem.residuals
     low, high = problem.bounds()
     moving = np.flatnonzero(columns.any(axis=0))

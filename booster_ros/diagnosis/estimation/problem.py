@@ -112,8 +112,7 @@ class Problem:
     @cached_property
     def sigma(self) -> Array:
         """The standard deviation of what is known of each variable, infinite where nothing is."""
-        return np.array([free.sigma for free in self.freedoms]
-                        + (list(START) if self.nuisances else []))
+        return np.append([free.sigma for free in self.freedoms], START[:self.nuisances])
 
     @cached_property
     def known(self) -> Array:

@@ -121,12 +121,10 @@ def _larger(declared: PositionerParameters, location: int) -> float:
 
 def _with_pasts(one: Term, larger: float) -> list[Term]:
     """Return the term with each past that is tried; itself where it has none."""
-    tried: tuple[float, ...]
-    if one.variable in term.CHANGE_OF:
-        name, tried = 'memory', TIMES_OF_MEMORY
-    elif one.variable == term.FORCE_PLAY:
-        name, tried = 'reach', tuple(larger * reach for reach in REACHES)
-    else:
+    name, tried = 'memory', [*TIMES_OF_MEMORY]
+    if one.variable == term.FORCE_PLAY:
+        name, tried = 'reach', [larger * reach for reach in REACHES]
+    elif one.variable not in term.CHANGE_OF:
         return [one]
     return [replace(one, past=Knob(
         f'discrepancy.{name}', each, min(tried) / WIDER, WIDER * max(tried), each, shape=True))
