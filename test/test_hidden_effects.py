@@ -11,6 +11,7 @@ import json
 from hidden_plant import cases
 from hidden_plant.cases import Case, write_case
 from hidden_plant.effects import EFFECTS
+import numpy as np
 import pytest
 
 from booster_ros.programs.close_loop import main
@@ -55,6 +56,9 @@ def test_what_has_no_name_is_unknown_in_its_place(
     assert report['effects'][0]['location'] == EFFECTS[effect].location
     assert report['unknown']['variable'] in variable.split(' or ')
     errors_fall_to_the_noise(report)
+    below, *slopes, above = np.abs(
+        np.diff(report['unknown']['values']) / np.diff(report['unknown']['at']))
+    assert max(below, above) < 1.3 * max(slopes)
 
 
 @pytest.mark.parametrize('effects', [

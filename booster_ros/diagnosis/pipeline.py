@@ -20,7 +20,8 @@ from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import get, label
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
-from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, beyond, place_of
+from booster_ros.diagnosis.hypotheses.discrepancy import (
+    UNNAMED, beyond, place_of, with_gentle_ends)
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (
@@ -92,6 +93,8 @@ def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
         last = before
         if model.effects:
             last = final_fit(task.on_every_row(model.problem), model.fit.z, block)
+        if _unnamed(model):
+            last = final_fit(with_gentle_ends(last.problem, last.fit), last.fit.z, block)
         runs = {**first, 'after': experiment.predict(last.fit.parameters, last.fit.initial)}
         return last, runs, errors_of(experiment, runs, test)
 

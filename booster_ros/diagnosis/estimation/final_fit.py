@@ -79,9 +79,8 @@ def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array,
     differs between variables that do nearly the same. Along an axis the step is as long as is
     needed to see that axis; as the axes are off as well, it is done in `rounds`.
 
-    A size that is none stands at its bound. Where a bound is in the way on one side of an axis,
-    the difference is formed on the other, of second order. Where bounds are in the way on both,
-    variables that would go over theirs are left out of the step, and their own columns count.
+    Where a bound is in the way on one side of an axis, the difference is formed on the other, of
+    second order; where on both, variables that would go over theirs keep their own columns.
     """
     if rounds > 1:
         columns = slopes_along_axes(problem, z, here, columns, rounds - 1)

@@ -174,6 +174,24 @@ def _about_zero(low: float, high: float) -> Array:
     return max(-low, high, 1.0) * np.r_[-shares[::-1], shares]
 
 
+def with_gentle_ends(problem: Problem, fit: Fit) -> Problem:
+    """
+    Return the problem with a table that fades to zero no more steeply than it runs as fitted.
+
+    No fade is longer than the range seen; beyond a play there is nothing.
+    """
+    table = fit.parameters.discrepancy
+    if term.has_play(table):
+        return problem
+    knots, inner = np.array(table.knots[1:-1]), np.array(table.values[1:-1])
+    steepest = max(float(np.abs(np.diff(inner) / np.diff(knots)).max()), 1e-300)
+    covers = knots[-1] - knots[0]
+    below, above = np.clip(np.abs(inner[[0, -1]]) / steepest, covers / (KNOTS - 3), covers)
+    table = problem.base.discrepancy._replace(knots=tuple(
+        np.r_[knots[0] - below, knots, knots[-1] + above].tolist()))
+    return replace(problem, base=problem.base._replace(discrepancy=table))
+
+
 def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Problem, Array]:
     """
     Return what a term can reach by linear reckoning.

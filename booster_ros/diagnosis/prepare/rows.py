@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a cleaned record to the rows that an experiment is made of, on one clock."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,8 +66,6 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
         _check_time(record)
     beside = _beside(record, declared)
     record = _without(record, beside)
-    idle = _idle_command(record)
-    record = _without(record, idle)
     needed = roles(record.columns, record.source, (*record.ignored, *beside.values())).compared
     sparse = _sparse(record, needed)
     record = _without(record, sparse)
@@ -90,12 +88,16 @@ def aligned(record: Record, declared: PositionerParameters, dwell: float | None)
             begins = float(time[0])
             trimmed = (*trimmed, f'time counted from the first row used, at {begins:.9g} s')
             time = time - begins
+    usable = np.ones(len(time), dtype=bool)
+    for name in role.drives:
+        usable &= np.isfinite(columns[name])
+    if quasi_static:  # it starts settled at its first current; only later ones were dwelt on
+        usable[0] &= not role.commanded
     return Rows(
         source=record.source, columns=columns, sampled=sampled, role=role, time=time,
-        begins=begins, quasi_static=quasi_static,
-        usable=_usable_rows(time, columns, role, quasi_static),
+        begins=begins, quasi_static=quasi_static, usable=usable,
         left_out=(*sparse.values(), *trimmed),
-        notes=(*beside.values(), *idle.values(), *sparse.values(), *role.notes, *trimmed))
+        notes=(*beside.values(), *sparse.values(), *role.notes, *trimmed))
 
 
 def _without(record: Record, names: Collection[str]) -> Record:
@@ -143,15 +145,6 @@ def check_length(time: Array, source: str, swept: bool = False) -> None:
             f'{LONGEST_RUN:g} s are compared with the model: {remedy}')
 
 
-def _idle_command(record: Record) -> dict[str, str]:
-    """Return what is said of the current of a sweep that is 0 in every row that is compared."""
-    current = record.columns.get('control_current')
-    if current is None or 'time' in record or np.any(np.nan_to_num(current[1:])):
-        return {}
-    return {'control_current': 'control_current is 0 A in every row that a sweep is compared in: '
-                               'it did not drive it'}
-
-
 def _sparse(record: Record, compared: Collection[str]) -> dict[str, str]:
     """Return what is said of channels of too few values to compare, if others have enough."""
     counts = {name: int(np.isfinite(record[name]).sum()) for name in compared}
@@ -183,15 +176,3 @@ def _left_out(record: Record, needed: list[str], first: int, last: int | None) -
         return ()
     lacking = [name for name in needed if not np.isfinite(record[name][first:last]).all()]
     return (f'rows {rows[0]} to {rows[-1]} left out: they lack {" or ".join(lacking)}',)
-
-
-def _usable_rows(time: Array, columns: Mapping[str, Array], role: Roles, quasi_static: bool
-                 ) -> Array:
-    """Return which rows have known drives that, in a sweep, were dwelt on."""
-    usable = np.ones(len(time), dtype=bool)
-    for name in role.drives:
-        usable &= np.isfinite(columns[name])
-    if quasi_static:
-        # a sweep of currents starts settled at its first one; only later ones were dwelt on
-        usable[0] &= not role.commanded
-    return usable

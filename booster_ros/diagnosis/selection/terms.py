@@ -4,8 +4,7 @@
 Model discrepancy without a name: the best smooth terms in one place over one variable.
 
 A table is a hypothesis as any other: its ten values have priors, so that its evidence pays for
-them, and its gain must not rest on a single block. (M. Kennedy and A. O'Hagan, J. R. Statist. Soc.
-B 63 (2001) 425.)
+them. (M. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425.)
 """
 
 import numpy as np
