@@ -182,8 +182,10 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
         for name in (name for name in names if EFFECTS[name].rubs):
             ended += _with_friction(task, parent, name)
             tick()
-    # first steps say little where an effect bends what it acts on, as a limit of speed does
-    if not any(leaves_noise(one) or idealised(one, parent) for one in ended):
+    # first steps say little where an effect bends what it acts on, as a limit of speed does; of the
+    # few effects that a slow loop tells, the best four are most
+    if not task.experiment.is_slow and not any(
+            leaves_noise(one) or idealised(one, parent) for one in ended):
         ended += side_by_side(to_its_end, places[BEST:])
     return ended
 
