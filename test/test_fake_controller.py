@@ -17,10 +17,10 @@ from positioner_here import context_here
 import positioner_process
 from positioner_process import with_parameters
 import pytest
-from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros_client import RosClient
 from ros_process import HANGUP, PATIENCE, RosProcess, program
@@ -30,7 +30,7 @@ from std_msgs.msg import Float64, String
 
 from booster_ros.model.parameters import ParameterError, from_values
 from booster_ros.model.simulation import Plant
-from booster_ros.nodes.current_limits import AGAIN, CurrentLimits
+from booster_ros.nodes.current_limits import AGAIN, LIMITS, CurrentLimits
 from booster_ros.nodes.fake_controller import FakeController
 from booster_ros.nodes.progress import Progress
 from booster_ros.nodes.silence import Silence
@@ -556,7 +556,7 @@ def test_a_positioner_that_does_not_answer_is_asked_again():
     def answer(request: GetParameters.Request, response: GetParameters.Response
                ) -> GetParameters.Response:
         asked.extend(request.names)
-        response.values = [ParameterValue(type=8, double_array_value=[0.0, 2e-3])]
+        response.values = [Parameter(LIMITS, value=[0.0, 2e-3]).get_parameter_value()]
         return response
 
     with context_here():

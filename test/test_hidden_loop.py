@@ -9,7 +9,7 @@ import json
 from hidden_plant import loop
 from hidden_plant.effects import put_in
 from hidden_plant.loop import (
-    EFFECTS, FIRMWARES, LoopCase, declared_yaml, drawn, shown, visibility, write_case)
+    EFFECTS, FIRMWARES, LoopCase, Unaffected, declared_yaml, drawn, shown, write_case)
 from hidden_plant.plant import COLUMNS, SAMPLE_TIME, Valve, run
 from hidden_plant.positioner import INTEGRATING, PIEZO
 from hidden_plant.sensors import POSITION_NOISE, PRESSURE_NOISE, Sensors, sensed
@@ -63,6 +63,7 @@ def test_a_leak_that_a_loop_makes_up_for_is_enlarged_until_it_shows(monkeypatch)
     case = shown(drawn_so)
     (_, size), = case.effects
     smaller = replace(case, effects=(('chamber_leak', size / loop.ENLARGED),))
+    visibility = Unaffected.of(drawn_so).visibility
     assert visibility(drawn_so) <= visibility(smaller) < loop.MEDIUM <= visibility(case)
     assert shown(case) is case
     clean = replace(case, effects=())

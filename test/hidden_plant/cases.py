@@ -87,7 +87,7 @@ def visibility(case: Case) -> tuple[float, float]:
     current, _ = case.currents()
     clean = play(case.clean_valve(), Sensors(), current)
     pressure, position = play(*case.plant(), current)
-    return _rms(pressure - clean[0]), _rms(position - clean[1])
+    return rms(pressure - clean[0]), rms(position - clean[1])
 
 
 def write_case(case: Case, folder: Path) -> dict[str, object]:
@@ -158,5 +158,6 @@ def _location(case: Case) -> str:
     return '+'.join(EFFECTS[key].location for key, _ in case.effects) or 'none'
 
 
-def _rms(values: np.ndarray) -> float:
+def rms(values: np.ndarray) -> float:
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(values**2)))

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .cases import rms
 from .declared import declared_groups, drawn_valve
 from .effects import CATALOGUED, Effect, put_in
 from .plant import SAMPLE_TIME, Valve, run
@@ -120,14 +121,28 @@ def play(case: LoopCase, part: str, shaken: float = 0.0) -> tuple[np.ndarray, ..
     return asked[::EVERY], *(channel[len(before)::EVERY] for channel in sensed(sensors, rows))
 
 
-def visibility(case: LoopCase) -> float:
-    """Return how much the fit record shows of the effects, in multiples of noise and chance."""
-    clean = replace(case, effects=())
-    still, seen, shaken = (play(one, 'fit', by)[1:] for one, by in (
-        (clean, 0.0), (case, 0.0), (clean, SMALLEST_ADC)))
-    return max(_rms(one - other) / float(np.hypot(noise, _rms(chance - other)))
-               for one, other, chance, noise in zip(
-                   seen, still, shaken, (PRESSURE_NOISE, POSITION_NOISE), strict=True))
+@dataclass(frozen=True)
+class Unaffected:
+    """What noiseless sensors show of a plant without its effects, and noise with chance (RMS)."""
+
+    channels: tuple[np.ndarray, ...]
+    noises: tuple[float, ...]
+
+    @classmethod
+    def of(cls, case: LoopCase) -> 'Unaffected':
+        """Return what the fit record of a case is without its effects."""
+        clean = replace(case, effects=())
+        _, *still = play(clean, 'fit')
+        _, *shaken = play(clean, 'fit', SMALLEST_ADC)
+        return cls(tuple(still), tuple(
+            float(np.hypot(noise, rms(moved - one))) for one, moved, noise in zip(
+                still, shaken, (PRESSURE_NOISE, POSITION_NOISE), strict=True)))
+
+    def visibility(self, case: LoopCase) -> float:
+        """Return how much the fit record shows of the effects, in multiples of noise and chance."""
+        _, *seen = play(case, 'fit')
+        return max(rms(one - still) / noise for one, still, noise in zip(
+            seen, self.channels, self.noises, strict=True))
 
 
 def shown(case: LoopCase) -> LoopCase:
@@ -136,16 +151,15 @@ def shown(case: LoopCase) -> LoopCase:
 
     Shares of what there is, as those of a gain, stay below one.
     """
-    while case.effects and visibility(case) < MEDIUM:
+    if not case.effects:
+        return case
+    unaffected = Unaffected.of(case)
+    while unaffected.visibility(case) < MEDIUM:
         larger = tuple((key, size * ENLARGED) for key, size in case.effects)
         if any(key in SHARES and size >= 1.0 for key, size in larger):
             break
         case = replace(case, effects=larger)
     return case
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def write_case(case: LoopCase, folder: Path) -> dict[str, object]:

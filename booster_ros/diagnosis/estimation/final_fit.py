@@ -68,8 +68,7 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     return found if z is found.z else fit_at(problem, z, found.jacobian)
 
 
-def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array,
-                      rounds: int = ROUNDS) -> Array:
+def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
     """
     Return d(residuals)/dz at z by differences along the principal axes of a Jacobian.
 
@@ -77,13 +76,17 @@ def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array,
 
     Columns of one-sided differences bend by a percent over their steps, which is more than what
     differs between variables that do nearly the same. Along an axis the step is as long as is
-    needed to see that axis; as the axes are off as well, it is done in `rounds`.
+    needed to see that axis; as the axes are off as well, it is done ROUNDS times.
 
     Where a bound is in the way on one side of an axis, the difference is formed on the other, of
     second order; where on both, variables that would go over theirs keep their own columns.
     """
-    if rounds > 1:
-        columns = slopes_along_axes(problem, z, here, columns, rounds - 1)
+    for _ in range(ROUNDS):
+        columns = _along_axes(problem, z, here, columns)
+    return columns
+
+
+def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
     residuals = problem.residuals
     low, high = problem.bounds()
     moving = np.flatnonzero(columns.any(axis=0))

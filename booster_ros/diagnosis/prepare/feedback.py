@@ -13,13 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import Chance, Experiment
+from booster_ros.diagnosis.data.experiment import Array, Chance, Experiment
 from booster_ros.diagnosis.estimation.dispersion import autocorrelation_time
 from booster_ros.diagnosis.prepare.timing import drawn_runs
 from booster_ros.model.position_controller import FINEST, PULSES
 from booster_ros.model.system import PositionerParameters
-
-Array = np.ndarray
 
 
 def with_noise_of_feedback(experiment: Experiment, declared: PositionerParameters) -> Experiment:

@@ -77,12 +77,16 @@ def is_otherwise(recorded: Experiment, taken: Experiment, declared: PositionerPa
 def check_taken_otherwise(experiment: Experiment, declared: PositionerParameters, source: str
                           ) -> None:
     """Raise RecordError where the declared model moves as measured under a supposition."""
-    for supposition in SUPPOSITIONS:
+    def check(supposition: Supposition) -> None:
         for recorded, taken, said in supposition(experiment, declared):
             if is_otherwise(recorded, taken, declared):
                 raise RecordError(f'{source}, column {said}')
-        if not experiment.quasi_static:
-            check_length(experiment.time, source)  # once it is known to be no other unit
+
+    check(_another_unit_of_time)
+    if not experiment.quasi_static:
+        check_length(experiment.time, source)  # days may be milliseconds: that is asked before
+    for supposition in SUPPOSITIONS:
+        check(supposition)
 
 
 def _another_unit_of_time(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:
@@ -202,5 +206,4 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
 
 
 SUPPOSITIONS: tuple[Supposition, ...] = (
-    _another_unit_of_time, _in_mbar, _absolute, _another_supply, _reversed_current,
-    _reversed_position)
+    _in_mbar, _absolute, _another_supply, _reversed_current, _reversed_position)

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import chi2
 
+from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import (
     FIRST_STEPS, NOTICEABLE, Fit, carried, fit, fit_at, nominal)
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
@@ -34,7 +35,6 @@ from booster_ros.diagnosis.selection.task import (
     Model, Task, by_observation, idealised, leaves_noise, near_best, upstream_task)
 from booster_ros.model.catalogue import EFFECTS
 
-Array = np.ndarray
 Tick = Callable[[], None]
 
 BEGUN = 10
@@ -182,10 +182,8 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
         for name in (name for name in names if EFFECTS[name].rubs):
             ended += _with_friction(task, parent, name)
             tick()
-    # first steps say little where an effect bends what it acts on, as a limit of speed does; of the
-    # few effects that a slow loop tells, the best four are most
-    if not task.experiment.is_slow and not any(
-            leaves_noise(one) or idealised(one, parent) for one in ended):
+    # first steps say little where an effect bends what it acts on, as a limit of speed does
+    if not any(leaves_noise(one) or idealised(one, parent) for one in ended):
         ended += side_by_side(to_its_end, places[BEST:])
     return ended
 
