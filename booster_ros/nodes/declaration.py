@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Declare the parameters of the table in a node, and watch over their changes."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+import contextlib
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
@@ -24,6 +25,20 @@ from ..parameters.schema import (
 from ..parameters.sections import files_on, is_for, read_sections
 
 Checked = TypeVar('Checked')
+
+
+@contextlib.contextmanager
+def destroyed_if_refused(node: Node) -> Iterator[None]:
+    """
+    Destroy a node whose making fails within, as where a parameter is refused.
+
+    Who made it has nothing to destroy it by, and it would be seen by others until Python clears up.
+    """
+    try:
+        yield
+    except BaseException:
+        Node.destroy_node(node)
+        raise
 
 
 def overrides_of(values: Mapping[str, Any]) -> list[Parameter]:

@@ -39,7 +39,8 @@ from ..records.recording import Recording
 from ..records.target import check_inputs_stay
 from ..run_error import RunError
 from .current_limits import CurrentLimits
-from .declaration import check_files, declare_table, files_without_section
+from .declaration import (
+    check_files, declare_table, destroyed_if_refused, files_without_section)
 from .feedback import Feedback
 from .lockstep import Lockstep
 from .node_time import NodeTime
@@ -77,6 +78,10 @@ class FakeController(Node):
     def __init__(self, arguments: Sequence[str]) -> None:
         """Check everything; `arguments` is the command line, for the parameter files on it."""
         super().__init__('fake_controller', automatically_declare_parameters_from_overrides=True)
+        with destroyed_if_refused(self):
+            self._begin(arguments)
+
+    def _begin(self, arguments: Sequence[str]) -> None:
         check_files(arguments, self.get_fully_qualified_name(), checked)
         self._settings: ControllerSettings = declare_table(
             self, DESCRIPTIONS, DESCRIPTIONS.keys(), checked, check)

@@ -23,6 +23,7 @@ from .declaration import (
     ParameterWatch,
     as_declared,
     check_files,
+    destroyed_if_refused,
     declare,
     effective_values,
     files_without_section,
@@ -81,6 +82,10 @@ class Positioner(Node):
             node_name, namespace=namespace, context=context,
             parameter_overrides=overrides_of(parameter_overrides or {}),
             automatically_declare_parameters_from_overrides=True, start_parameter_services=False)
+        with destroyed_if_refused(self):
+            self._begin(arguments)
+
+    def _begin(self, arguments: Sequence[str]) -> None:
         check_files(arguments, self.get_fully_qualified_name(), checked)
         parameters = declare(self)
         settings = self._settings = parameters.node

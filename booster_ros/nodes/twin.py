@@ -32,7 +32,7 @@ from ..twin.store import Store, StoreError
 from ..twin.trends import Counters
 from ..twin.twin import Twin
 from ..twin.verdict import moment
-from .declaration import check_files, declare_table, overrides_of
+from .declaration import check_files, declare_table, destroyed_if_refused, overrides_of
 from .outputs import quiet_publisher
 from .process import run
 from .ready import LATCHED, Ready
@@ -69,6 +69,10 @@ class TwinNode(Node):
             node_name, context=context,
             parameter_overrides=overrides_of(parameter_overrides or {}),
             automatically_declare_parameters_from_overrides=True)
+        with destroyed_if_refused(self):
+            self._begin(arguments)
+
+    def _begin(self, arguments: Sequence[str]) -> None:
         check_files(arguments, self.get_fully_qualified_name(), checked)
         self._settings: TwinSettings = declare_table(
             self, DESCRIPTIONS, DESCRIPTIONS.keys(), checked, check)
