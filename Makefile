@@ -29,9 +29,10 @@ demo:
 	@$(PYTHON) scripts/prepare_environment.py run
 	@$(VENV_PYTHON) -m booster_ros demo
 
+# A worker that dies ends the run: pytest-xdist may wait for ever for the rest of its file.
 test:
 	@$(PYTHON) scripts/prepare_environment.py test
-	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0
 
 # The peers live in an environment of their own; the node is measured in the one that runs it.
 bench:
