@@ -23,4 +23,4 @@ def test_others_do_not_see_it(make, parameter):
         other = rclpy.create_node('other')
         assert other.get_node_names() == ['other']
         other.destroy_node()
-    assert refused.tb  # all that was on the way to it is still there: nothing was cleared up by luck
+    assert refused.tb  # what was on the way to it is still there: nothing was cleared up by luck

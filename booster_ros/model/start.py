@@ -78,6 +78,13 @@ def rests_on_a_stop(
     return abs(stem_force(act, pressure, edge, 0.0, pushed)) > breakaway_friction(act, edge)
 
 
+def friction_holds(
+    p: PositionerParameters, pressure: float, read: float, pressure_drop: float = 0.0
+) -> bool:
+    """Tell whether it is dry friction, and no stop, that holds a stem which is read here (m)."""
+    return has_dry_friction(p.actuator) and not rests_on_a_stop(p, pressure, read, pressure_drop)
+
+
 def _term_taken_off(
     p: PositionerParameters, time: float, current: float, readings: Mapping[str, float]
 ) -> dict[str, float]:
@@ -135,7 +142,7 @@ def _held_position(
     """Return the position, m, at which the stem is held, or that which is read if none is near."""
     pressure, read = state['chamber_pressure'], state['valve_position']
     balance, near = _balance(p, time, current, pressure), UNSURE * p.actuator.travel
-    if has_dry_friction(p.actuator) and not rests_on_a_stop(p, pressure, read):
+    if friction_holds(p, pressure, read):
         seen = start_current(p, current, Departure())
 
         def breaks_away(position: float) -> bool:

@@ -16,7 +16,6 @@ from scipy.optimize import lsq_linear
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.least_squares import SETTLED
-from booster_ros.diagnosis.estimation.observation import ROWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
@@ -40,11 +39,11 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
 
     Sizes of effects that the rows do not show are put back to none.
     """
-    if problem.observation is ROWS:
+    if not problem.observation.summary:
         other = nominal(problem, begin)
         starts = [begin, other] if np.any(other[:len(problem.freedoms)]) else [begin]
         found = at_the_bottom(problem, fit(problem, starts, tolerance=SETTLED))
-    else:  # a stem that sticks was fitted from what is seen above it, and takes long
+    else:  # there each slope takes long, and begins from what the search has found
         found = fit(problem, [begin])
     found = without_unseen(problem, found)
     return FinalFit(problem, found, block_bootstrap(problem, found, block_of_row))

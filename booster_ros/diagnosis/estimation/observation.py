@@ -146,13 +146,15 @@ class Observation:
 
     `of` makes its residuals of the scaled residuals of its rows, in series, of which `first_rows`
     are the counted rows each begins with. `visible` is the change of the residuals (norm) that a
-    difference has to make to show above their roughness.
+    difference has to make to show above their roughness. A `summary` of the readings says as much
+    on thinned rows as on all, and bends too much for slopes to lead far.
     """
 
     name: str
     of: Callable[[Windows, Array], Array] = field(repr=False)
     first_rows: Callable[[Windows], list[Array]] = field(repr=False)
     visible: float = 1.0
+    summary: bool = False
 
 
 ROWS = Observation('rows', lambda windows, scaled: windows.white(scaled),
@@ -161,5 +163,5 @@ ROWS = Observation('rows', lambda windows, scaled: windows.white(scaled),
 
 WINDOWS = Observation(
     'windows', lambda windows, scaled: np.append(windows.means(scaled), windows.strengths(scaled)),
-    lambda windows: [windows.first, windows.first[windows.told]], visible=100.0)
+    lambda windows: [windows.first, windows.first[windows.told]], visible=100.0, summary=True)
 """Means and logarithms of variances of windows count; slips make them rough on short ways."""

@@ -22,12 +22,11 @@ from booster_ros.diagnosis.data.experiment import NO_CHANCE, Array, Experiment, 
 from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Windows
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
-from booster_ros.model.actuator import has_dry_friction
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
-from booster_ros.model.start import rests_on_a_stop
+from booster_ros.model.start import friction_holds
 from booster_ros.model.system import PositionerParameters
 
 DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
@@ -75,7 +74,7 @@ class Problem:
         return p
 
     def initial(self, z: Array, p: PositionerParameters) -> Initial:
-        """Return the start at z; a stem that can stick stands where it was seen, off the stops."""
+        """Return the start at z; a stem that friction holds stands where it was seen."""
         start = self.experiment.initial
         if self.nuisances:
             pressure, back, ep_play, position_play, warmth, past = _on_grid(
@@ -85,14 +84,13 @@ class Problem:
                 start, departure=Departure(back, ep_play, position_play, 10.0 * warmth, 0.3 * past),
                 chamber_pressure=pressure_behind(
                     p.sensors, start.chamber_pressure + 100.0 * pressure))
-        if start.valve_position is None or not has_dry_friction(p.actuator):
-            return replace(start, valve_position=None)
-        sensors = p.sensors
-        read = position_behind(sensors, start.valve_position)
-        stem = read - 0.5 * sensors.position_backlash * start.departure.position_play
+        if start.valve_position is None:
+            return start
+        read = position_behind(p.sensors, start.valve_position)
+        stem = read - 0.5 * p.sensors.position_backlash * start.departure.position_play
         drop = float(self.experiment.pinned.get('pressure_drop', np.zeros(1))[0])
-        on_stop = rests_on_a_stop(p, start.chamber_pressure, stem, drop)
-        return replace(start, valve_position=None if on_stop else stem)
+        held = friction_holds(p, start.chamber_pressure, stem, drop)
+        return replace(start, valve_position=stem if held else None)
 
     def predict(self, z: Array, over: Experiment | None = None) -> dict[str, Array] | None:
         """Return the channels at z, over this or another experiment, None where it cannot run."""
@@ -196,7 +194,7 @@ class Problem:
     def steps_for(self, slopes: Array) -> Array:
         """Return how far to step for differences, in z, where slopes have these norms."""
         visible = self.observation.visible
-        if self.observation is ROWS:  # it has to stand out of the solver's own error
+        if not self.observation.summary:  # it has to stand out of the solver's own error
             visible *= self.experiment.tolerance**2
         visible = max(visible, self._rough)
         most = self.first_step if self._rough else LARGEST_DIFFERENCE

@@ -9,13 +9,15 @@ the model. (Stick-slip of a slowly driven mass: B. Armstrong-Helouvry et al., Au
 1083.)
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.scaling import proportion
 
 _DAMPING = 'actuator.presliding_damping'
@@ -36,6 +38,22 @@ KEPT, CLOSER = 3, (0.06, 0.03, 0.015)
 shares of the sliding friction; those of the stiction are twice as long."""
 
 _Trial = tuple[float, float, float]
+
+
+def begins_on_a_grid(name: str) -> bool:
+    """Tell whether fits of an effect begin at the best of a grid: screening does not lead there."""
+    return EFFECTS[name].rubs
+
+
+def can_be(free: tuple[Free, ...], move: Mapping[int, float]) -> bool:
+    """
+    Tell whether an effect with these variables can have the sizes of a move (by variable's index).
+
+    Break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
+    simulate. A galled stem may rub in one place alone, which a fit finds from there.
+    """
+    return all(abs(step) <= move.get(j, 0.0)
+               for j, one in enumerate(free) if one.knob.rubs for step in move.values())
 
 
 def friction_starts(problem: Problem, z: Array) -> list[Array]:

@@ -20,10 +20,10 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.fit import carried, fit_at
-from booster_ros.diagnosis.estimation.observation import ROWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant
+from booster_ros.diagnosis.hypotheses.friction import begins_on_a_grid
 from booster_ros.diagnosis.selection.decide import TIE
 from booster_ros.diagnosis.selection.neighbours import BEGUN
 from booster_ros.diagnosis.selection.screening import first_steps, reference_at, screen
@@ -42,7 +42,7 @@ def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[s
                 and instead <= EFFECTS.keys() and one.score.observed == chosen.score.observed):
             said = comparison(task, chosen, one, [])
             found += sorted(instead) if said.log_evidence < TIE + said.luck else []
-    if chosen.problem.observation is ROWS:
+    if not chosen.problem.observation.summary:
         found += _indistinct(task, chosen, name)
     return tuple(dict.fromkeys(found))
 
@@ -59,7 +59,7 @@ def _indistinct(task: Task, chosen: Model, name: str) -> list[str]:
     most = 2.0 * TIE * chosen.score.dispersion * whole.observed / max(chosen.problem.observed, 1)
 
     others = [other for other in task.names if other not in chosen.effects
-              and not EFFECTS[other].rubs and not redundant(other, chosen.but(name))]
+              and not begins_on_a_grid(other) and not redundant(other, chosen.but(name))]
     quick = side_by_side(lambda other: screen(rest, around, other), others)
     quick = sorted((one for one in quick if one.starts), key=lambda one: one.cost)[:BEGUN]
     ends = side_by_side(lambda one: first_steps(rest, one), quick)

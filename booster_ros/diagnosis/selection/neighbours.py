@@ -21,19 +21,17 @@ from scipy.stats import chi2
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import (
     FIRST_STEPS, NOTICEABLE, Fit, carried, fit, fit_at, nominal)
-from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
-from booster_ros.diagnosis.hypotheses.friction import friction_starts
+from booster_ros.diagnosis.hypotheses.friction import begins_on_a_grid, friction_starts
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
     BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.diagnosis.selection.task import (
     Model, Task, by_observation, idealised, leaves_noise, near_best, upstream_task)
-from booster_ros.model.catalogue import EFFECTS
 
 Tick = Callable[[], None]
 
@@ -55,9 +53,9 @@ def fitted_to_every_row(task: Task, effects: tuple[str, ...], problem: Problem, 
     """
     Return the model fitted to every training row.
 
-    Statistics of windows are told by thinned rows nearly as well: their noise is that of slips.
+    A summary is told by thinned rows nearly as well.
     """
-    whole = task.on_every_row(problem) if problem.observation is ROWS else problem
+    whole = problem if problem.observation.summary else task.on_every_row(problem)
     return task.scored(effects, whole, fit(whole, starts))
 
 
@@ -111,7 +109,7 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
 
     def whole(one: Model) -> Model:
         tick()
-        return one if one.problem.observation is WINDOWS else fitted_to_every_row(
+        return one if one.problem.observation.summary else fitted_to_every_row(
             task, one.effects, one.problem, one.fit.z)
 
     return Neighbours(side_by_side(whole, near), [one for one in thin if one not in near])
@@ -126,7 +124,7 @@ def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:
     """
     Return z with what the subsystem above the stem tells, all else of the declared as given.
 
-    The parameters of a model without friction have imitated it; above the stem nothing rubs.
+    The parameters of a model without the effect have imitated it.
     """
     begin = nominal(joint, carried(joint, parent.fit))
     above = upstream_task(task)
@@ -155,7 +153,7 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
     """Return the models with the effects that get furthest on thinned rows, fitted to these."""
     problem = task.problem(parent.effects)
     found = fit_at(problem, parent.fit.z)
-    smooth = [name for name in names if not EFFECTS[name].rubs]
+    smooth = [name for name in names if not begins_on_a_grid(name)]
 
     def begun(one: Screened) -> tuple[Screened, Fit]:
         tick()
@@ -177,10 +175,10 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
 
     places = range(len(order))
     ended = side_by_side(to_its_end, places[:BEST])
-    # slips are slow to simulate, and nothing calls for them where another effect leaves noise
+    # a grid takes long, and nothing calls for it where another effect leaves noise
     if not any(one.reduced_chi2 < NOISE for one in ended):
-        for name in (name for name in names if EFFECTS[name].rubs):
-            ended += _with_friction(task, parent, name)
+        for name in (name for name in names if begins_on_a_grid(name)):
+            ended += _from_a_grid(task, parent, name)
             tick()
     # first steps say little where an effect bends what it acts on, as a limit of speed does
     if not any(leaves_noise(one) or idealised(one, parent) for one in ended):
@@ -210,7 +208,7 @@ def _screened(problem: Problem, found: Fit, names: list[str], imitated: bool, ti
 
     Around a fit that has imitated what is missing nothing is: then around what is declared alone.
     """
-    smooth = problem.observation is ROWS
+    smooth = not problem.observation.summary
     around = references(problem, found) if smooth else [reference_at(problem, found)]
     around = around[1:] if imitated and around[1:] else around
     frequencies = strong_frequencies(problem, found.z)
@@ -223,8 +221,8 @@ def _screened(problem: Problem, found: Fit, names: list[str], imitated: bool, ti
                   key=lambda each: each.cost)[:BEGUN]
 
 
-def _with_friction(task: Task, parent: Model, name: str) -> list[Model]:
-    """Return the model with friction beside the parent's effects, none if nothing speaks for it."""
+def _from_a_grid(task: Task, parent: Model, name: str) -> list[Model]:
+    """Return the model with an effect begun on a grid, none if nothing speaks for it."""
     effects = (*parent.effects, name)
     joint = task.problem(effects)
     starts = friction_starts(joint, _seen_upstream(task, parent, joint))

@@ -33,6 +33,7 @@ from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.parametrisation import TOLD_AT_REST, Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effect
+from booster_ros.diagnosis.hypotheses.friction import can_be
 from booster_ros.diagnosis.selection.decide import TIE
 from booster_ros.model.catalogue import EFFECTS
 
@@ -94,18 +95,14 @@ def _sizes_to_try(free: tuple[Free, ...], frequencies: Iterable[float], multiple
     sizes = [j for j, f in enumerate(free) if not f.knob.shape]
     steps = [size * sign for size in multiples for sign in (1.0, -1.0)]
     moves = [{j: step} for j in sizes for step in steps]
-    rubs = [j for j in sizes if free[j].knob.rubs]
     if len(multiples) > 1 and len(sizes) == 2:
         moves += [dict.fromkeys(sizes, size) for size in multiples]
         if all(free[j].knob.inverse for j in sizes):
             # two limits: where one is hard, the other shows only near its size
             moves += [dict(zip(sizes, both)) for both in itertools.permutations(multiples, 2)]
-    # break-away or bent-stem friction of a packing that hardly rubs does not exist, and is slow to
-    # simulate; a galled stem may rub in one place alone, which a fit finds from there
-    moves = [move for move in moves
-             if all(abs(step) <= move.get(j, 0.0) for j in rubs for step in move.values())]
+    possible = [move for move in moves if can_be(free, move)]
     trials = []
-    for shaped, move in itertools.product(_shapes_to_try(free), moves):
+    for shaped, move in itertools.product(_shapes_to_try(free), possible):
         e = shaped.copy()
         for j, step in move.items():
             e[j] += step

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 import itertools
 
-from booster_ros.diagnosis.estimation.observation import WINDOWS
+from booster_ros.diagnosis.hypotheses.friction import begins_on_a_grid
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import (
     NEARLY_ALL, TIE, Comparison, TraceStep, compare, why_not)
@@ -77,11 +77,11 @@ def comparison(task: Task, one: Model, other: Model, rivals: list[Model]) -> Com
     """
     Return what the record says of one model against another.
 
-    Both are observed by statistics of windows where either is, else on as many rows as either. The
-    best of the rivals that are observed so tells c.
+    Both are observed by a summary where either is, else on as many rows as either. The best of the
+    rivals that are observed so tells c.
     """
     leading = max((one, other), key=lambda each: (
-        each.problem.observation is WINDOWS, each.score.observed))
+        each.problem.observation.summary, each.score.observed))
     one, other = (each if _observed_alike(each, leading) else task.observed_as(each, leading)
                   for each in (one, other))
     alike = [each for each in rivals if _observed_alike(each, leading)]
@@ -102,8 +102,8 @@ def select(task: Task, tell: Progress) -> Selection:
     trace = _Trace(root)
     task, parent = _upstream_first(task, root, trace, tell)
     chosen = _added(task, root, parent, trace, tell)
-    # beside friction, what lies above the stem was judged where slips do not blur it
-    if len(chosen.effects) > 1 and chosen.problem.observation is not WINDOWS:
+    # where a summary counts, what lies above the stem was judged where readings do
+    if len(chosen.effects) > 1 and not chosen.problem.observation.summary:
         tell('deleting effects', 0.65)
         chosen = _deleted(task, chosen, trace)
     named = chosen
@@ -169,11 +169,11 @@ def _added(task: Task, root: Model, parent: Model, trace: _Trace, tell: Progress
 
 
 def _names(task: Task, parent: Model) -> tuple[str, ...]:
-    """Return the effects to add; beside friction those of the stem, as what is above is known."""
-    if parent.problem.observation is not WINDOWS or upstream_task(task) is None:
+    """Return the effects to add: those below alone where the stem made a summary of the record."""
+    if not parent.problem.observation.summary or upstream_task(task) is None:
         return task.names
     return tuple(name for name in task.names
-                 if not is_upstream(name) and not EFFECTS[name].rubs)
+                 if not is_upstream(name) and not begins_on_a_grid(name))
 
 
 def _best(task: Task, parent: Model, found: list[Model]) -> Model | None:
@@ -181,15 +181,15 @@ def _best(task: Task, parent: Model, found: list[Model]) -> Model | None:
     Return the best of several neighbours of a model, None of none.
 
     Of those within TIE of the best one's evidence, the first in the catalogue, which lists common
-    causes first; of idealised laws of friction, the first. Those of a stem that sticks are compared
-    with the best of the others by statistics of windows.
+    causes first; of idealised laws, the first. The best by a summary is compared by that with the
+    best of the others.
     """
     order = list(EFFECTS)
     best = [min([one for one in same if idealised(one, parent)] or near_best(same, TIE),
                 key=lambda one: order.index(one.effects[-1])) for same in by_observation(found)]
     if len(best) < 2:
         return best[0] if best else None
-    first, second = sorted(best, key=lambda one: one.problem.observation is WINDOWS)
+    first, second = sorted(best, key=lambda one: one.problem.observation.summary)
     return second if comparison(task, second, first, best).log_evidence > TIE else first
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from booster_ros.diagnosis.data.blocks import Segment, rows_of, training_blocks
 from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.fit import Fit, fit_at
-from booster_ros.diagnosis.estimation.observation import WINDOWS
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effects
@@ -124,8 +123,8 @@ def leaves_noise(model: Model) -> bool:
 
 
 def idealised(model: Model, root: Model) -> bool:
-    """Tell whether no more is left of slips than idealising friction leaves."""
-    return model.problem.observation is WINDOWS and explained(model, root) > NEARLY_ALL
+    """Tell whether no more is left of a summary than idealising laws leave."""
+    return model.problem.observation.summary and explained(model, root) > NEARLY_ALL
 
 
 def thinned(experiment: Experiment, factor: int) -> tuple[Experiment, Array]:
