@@ -26,6 +26,7 @@ def loop(law):
     return P._replace(position_controller=P.position_controller._replace(enabled=True, **law))
 
 
+@pytest.mark.campaign
 def test_another_firmware_is_found_beside_whatever_else_slows_a_loop():
     true, declared = 'integrating_firmware', 'proportional_firmware'
     rng = np.random.default_rng(3)

@@ -61,6 +61,7 @@ def told(area, *names):
     return diagnose(prepare(record, DECLARED), DECLARED, names=names, places=frozenset())
 
 
+@pytest.mark.campaign
 def test_the_area_on_which_the_process_pushes_is_found():
     (effect,) = told(-PLUG, 'process_force', 'bench_set_shift').effects
     assert (effect.name, effect.location) == ('process_force', 'stem')
@@ -70,6 +71,7 @@ def test_the_area_on_which_the_process_pushes_is_found():
     assert (effect.standing, effect.confused_with) == ('confirmed', ())
 
 
+@pytest.mark.campaign
 def test_a_drop_that_pushes_nothing_is_no_effect():
     assert told(0.0, 'process_force').verdict == 'none'
 

@@ -96,6 +96,7 @@ def test_where_nothing_is_missing_the_score_test_promises_nothing():
     assert select(task, nothing_said).chosen.effects == ()
 
 
+@pytest.mark.campaign
 def test_a_stem_that_sticks_is_found():
     plant = put(put(P, 'actuator.coulomb_friction', 400.0), 'actuator.stiction', 150.0)
     task = task_of(recorded(plant), ('stem_friction', 'chamber_leak'))
@@ -107,6 +108,7 @@ def test_a_stem_that_sticks_is_found():
     assert found.chosen.reduced_chi2 < 0.1 * found.root.reduced_chi2
 
 
+@pytest.mark.campaign
 def test_what_has_no_name_is_a_term_in_its_place():
     """A spring whose force goes up and down along the travel."""
     wave = 300.0 * np.sin(np.linspace(0.0, 15.0, KNOTS))

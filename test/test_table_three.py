@@ -48,6 +48,7 @@ def test_the_played_step_is_the_papers():
         assert indices[name] == pytest.approx(printed.simulated, rel=0.01), name
 
 
+@pytest.mark.campaign
 def test_a_leak_points_away_from_the_measured_column_and_a_tube_towards_it():
     wanted = table_three.measured_change(table_3())
     nothing = float(np.sqrt(np.mean(wanted[1:] ** 2)))
