@@ -33,6 +33,7 @@ def short_records(monkeypatch):
 SLIPPING = ('stem_friction', 'stem_friction_stick_slip')
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize('effect', ['', *(key for key in truth.SIZES if key not in SLIPPING)])
 def test_the_model_with_what_was_put_in_moves_as_the_plant_does(effect):
     """So an interval that does not hold it is wrong, not the two models different."""
