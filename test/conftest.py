@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 _DOMAIN = claim_domain()
 os.environ['ROS_DOMAIN_ID'] = str(_DOMAIN.id)
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+# Processes that tests kill leave their shared memory as it is; this one, which outlives them all,
+# keeps away from it. What it starts has the transports that users have (`RosProcess`).
+os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
 # Programs under test must not open windows, nor colour what they print.
 os.environ['MPLBACKEND'] = 'Agg'
 os.environ['RCUTILS_COLORIZED_OUTPUT'] = '0'

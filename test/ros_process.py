@@ -52,6 +52,7 @@ class RosProcess:
         """Start the command at the root of the sources, in this environment or the given one."""
         environment = dict(os.environ if environment is None else environment)
         environment['PYTHONUNBUFFERED'] = '1'
+        environment.pop('FASTDDS_BUILTIN_TRANSPORTS', None)
         self._process = subprocess.Popen(
             list(command),
             cwd=ROOT,
