@@ -7,7 +7,13 @@ from made_record import ROWS, TIME, record_of, step_test
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.estimation.fit import fit
+from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.estimation.problem import Problem
+from booster_ros.diagnosis.hypotheses.compose import with_effects
 from booster_ros.diagnosis.prepare.preparation import prepare
+from booster_ros.model.ep_converter import settled_back_pressure
+from booster_ros.model.memory import Departure
 from booster_ros.model.simulation import simulate
 
 
@@ -62,6 +68,25 @@ def test_a_record_that_begins_with_its_first_command_starts_with_the_converter_w
     assert experiment.initial.departure.back_pressure == pytest.approx(at_first, abs=2e3)
     assert any('had not settled at the first command' in note for note in experiment.notes)
     assert prepare(record_of(**step_test()), DECLARED).initial.departure.back_pressure == 0.0
+
+
+def test_so_it_does_where_the_model_lacks_too_much_to_meet_its_first_seconds():
+    time = 0.01 * np.arange(2000)
+    current = np.where(time < 10.0, 0.43e-3, 0.45e-3)
+    settled = settled_back_pressure(
+        DECLARED.ep_converter, 0.43e-3, DECLARED.supply.pressure, 0.0, 0.0)
+    throttled = put(DECLARED, 'tubing.restriction_area', 5e-7)
+    run = simulate(throttled, time, current, {'chamber_pressure': 0.0},
+                   departure=Departure(-settled))
+    experiment = prepare(record_of(
+        time=time, control_current=current, chamber_pressure=run['chamber_pressure'],
+        valve_position=run['valve_position']), DECLARED)
+    assert experiment.initial.unsettled
+    assert experiment.initial.departure.back_pressure == pytest.approx(-settled, abs=10e3)
+    rows = np.ones(len(experiment.time), dtype=bool)
+    problem = with_effects(Problem(experiment, rows, DECLARED, ()), ('tubing_restriction',))
+    assert fit(problem).parameters.tubing.restriction_area == pytest.approx(5e-7, rel=0.01)
+    assert not prepare(record_of(**step_test()), DECLARED).initial.unsettled
 
 
 def test_a_vented_valve_says_nothing_of_where_its_converter_starts():

@@ -54,11 +54,16 @@ UNITS = {'set_point': 'm', 'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass
 
 @dataclass(frozen=True)
 class Initial:
-    """Where the model starts; a fit may turn its departures from the first row."""
+    """
+    Where the model starts; a fit may turn its departures from the first row.
+
+    Of an `unsettled` start little is known of the back pressure.
+    """
 
     chamber_pressure: float
     departure: Departure = CENTRED
     valve_position: float | None = None
+    unsettled: bool = False
 
 
 class Chance(NamedTuple):

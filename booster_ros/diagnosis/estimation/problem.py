@@ -38,6 +38,9 @@ START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 pressure in 500 Pa, places in the two plays, warmth of the chamber's air in 10 K, what a term
 remembers in 0.3 units of `past`."""
 
+UNSETTLED = 50.0
+"""Factor on that of the back pressure where a record begins in motion: 100 kPa, half a stroke's."""
+
 START_BOUND = (np.inf, np.inf, 1.0, 1.0, 10.0, 5.0)
 """Bounds of the same variables to either side: a place in a play is -1 to 1 by definition."""
 
@@ -110,7 +113,9 @@ class Problem:
     @cached_property
     def sigma(self) -> Array:
         """The standard deviation of what is known of each variable, infinite where nothing is."""
-        return np.append([free.sigma for free in self.freedoms], START[:self.nuisances])
+        start = START[:self.nuisances].copy()
+        start[1:2] *= UNSETTLED if self.experiment.initial.unsettled else 1.0
+        return np.append([free.sigma for free in self.freedoms], start)
 
     @cached_property
     def known(self) -> Array:

@@ -46,7 +46,8 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     """
     Return the experiment with the E/P converter starting away from settled where it evidently did.
 
-    A record may begin with its first command while the converter is still at an earlier one.
+    A record may begin with its first command while the converter is still at an earlier one. Where
+    the chamber is not at the pressure at which that command holds it, nothing says otherwise.
     """
     first = experiment.until(float(experiment.time[0]) + FIRST_SECONDS)
     if len(first.time) < FEWEST:  # then it is taken as settled
@@ -65,11 +66,15 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     settled = settled_back_pressure(declared.ep_converter, first.current[0], supply, 0.0, 0.0)
     found = minimize_scalar(missed, bounds=(-settled, supply - settled), method='bounded')
     taken = started(found.x)
-    if not is_otherwise(first, taken, declared):
+    held = _settled_pressure({**first.pinned, 'control_current': first.current}, declared)
+    unsettled = abs(held - first.initial.chamber_pressure) > LITTLE * supply
+    evident = is_otherwise(first, taken, declared)
+    if not (evident or unsettled):
         return experiment
-    note = (f'the E/P converter had not settled at the first command: it is taken to start at '
-            f'{settled + found.x:.0f} Pa')
-    return replace(experiment, initial=taken.initial, notes=(*experiment.notes, note))
+    notes = (f'the E/P converter had not settled at the first command: it is taken to start at '
+             f'{settled + found.x:.0f} Pa',) if evident else ()
+    return replace(experiment, initial=replace(taken.initial, unsettled=unsettled),
+                   notes=(*experiment.notes, *notes))
 
 
 def _unmeasured_pressure(columns: Mapping[str, Array], declared: PositionerParameters,

@@ -50,11 +50,7 @@ class Neighbours:
 
 def fitted_to_every_row(task: Task, effects: tuple[str, ...], problem: Problem, *starts: Array
                         ) -> Model:
-    """
-    Return the model fitted to every training row.
-
-    A summary is told by thinned rows nearly as well.
-    """
+    """Return the model fitted to every training row; thinned ones tell a summary as well."""
     whole = problem if problem.observation.summary else task.on_every_row(problem)
     return task.scored(effects, whole, fit(whole, starts))
 
@@ -63,8 +59,7 @@ def refitted(task: Task, effects: tuple[str, ...] = (), *sources: Fit) -> Model:
     """
     Return the model with these effects, fitted to thinned, then to every row.
 
-    From the values that its parameters have in the sources, and from there with the declared
-    parameters as given.
+    It begins with the values in the sources, and with these and the declared parameters as given.
     """
     problem = task.problem(effects)
     starts = [problem.start()]
@@ -77,11 +72,7 @@ def refitted(task: Task, effects: tuple[str, ...] = (), *sources: Fit) -> Model:
 
 
 def _drawn(problem: Problem) -> list[Array]:
-    """
-    Return places drawn from the priors of the declared parameters.
-
-    Over steps in the cost half of single descents end within noise of the best.
-    """
+    """Return places drawn from priors: over steps in the cost one descent in two gets lost."""
     rng = np.random.default_rng(1)
     several = rng.standard_normal((BEST, len(problem.freedoms)))
     return [np.clip(np.append(z, np.zeros(problem.nuisances)), *problem.bounds())
@@ -121,11 +112,7 @@ def _far_off(parent: Model) -> bool:
 
 
 def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:
-    """
-    Return z with what the subsystem above the stem tells, all else of the declared as given.
-
-    The parameters of a model without the effect have imitated it.
-    """
+    """Return z with what is told above the stem, all else as given: it has imitated the effect."""
     begin = nominal(joint, carried(joint, parent.fit))
     above = upstream_task(task)
     if above is None:
