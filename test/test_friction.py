@@ -28,11 +28,10 @@ def test_a_start_is_near_the_friction_that_was_put_in(values):
     problem = rubbing(values['coulomb_friction'], values.get('stiction', 0.0),
                       presliding_stiffness=values.get('presliding_stiffness', 0.0))
     far = z_of(problem, {'actuator.coulomb_friction': 120.0})
-    found = [problem.parameters(z).actuator for z in friction_starts(problem, far)]
-    assert min(abs(one.coulomb_friction / values['coulomb_friction'] - 1.0)
-               for one in found) < 0.15
-    costs = [problem.cost(z) for z in friction_starts(problem, far)]
-    assert min(costs) < 0.3 * problem.cost(far)
+    starts = friction_starts(problem, far)
+    slides = [problem.parameters(z).actuator.coulomb_friction for z in starts]
+    assert min(abs(one / values['coulomb_friction'] - 1.0) for one in slides) < 0.15
+    assert min(map(problem.cost, starts)) < 0.3 * problem.cost(far)
 
 
 @pytest.mark.parametrize(('damping', 'near'), [(0.0, (0.0,)), (0.4, (0.3, 0.6))])

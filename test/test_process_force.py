@@ -108,7 +108,7 @@ def test_a_drop_leaves_what_is_above_the_stem_to_be_judged():
     above, as_ever = upstream(experiment), upstream(bare)
     assert set(above.pinned) == {'valve_position', 'stem_velocity'}
     for name, values in as_ever.predict(DECLARED).items():
-        assert np.array_equal(values, above.predict(DECLARED)[name])
+        assert np.array_equal(values, above.predict(DECLARED, as_ever.initial)[name])
     # rests are explained by what is told at rest, and intervals are as long as with a current alone
     problem = problem_of(experiment)
     assert len(references(problem, fit_at(problem, problem.start()))) == len(references(
