@@ -16,6 +16,7 @@ import numpy as np
 from booster_ros.diagnosis.data.blocks import (
     rows_of, split, split_sweep, training_blocks)
 from booster_ros.diagnosis.data.experiment import Array, Experiment
+from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import get, label
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
@@ -55,9 +56,8 @@ def diagnose(experiment: Experiment, declared: PositionerParameters,
     selection = select(task, tell)
     tell('final fit and intervals', 0.9)
     block = training_blocks(task.segments, len(experiment.time))
-    before = final_fit(selection.root.problem, selection.root.fit.z, block)
-    chosen, after, runs, refused = _tested(task, selection, before, block)
-    result = _diagnosis(task, selection, chosen, before, after, runs, refused, notes)
+    chosen, after, runs, refused = _tested(task, selection, block)
+    result = _diagnosis(task, selection, chosen, after, runs, refused, notes)
     tell('done', 1.0)
     return result
 
@@ -81,21 +81,20 @@ def _task(experiment: Experiment, declared: PositionerParameters, names: Collect
                 frozenset() if experiment.is_slow else places)
 
 
-def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
+def _tested(task: Task, selection: Selection, block: Array
             ) -> tuple[Model, FinalFit, Runs, Refused | None]:
     """Return the model that stands in the test set, its last fit, all runs, and what is refused."""
     experiment = task.experiment
     test = rows_of(task.segments, 'test', len(experiment.time))
-    first = {'declared': experiment.predict(task.declared),
-             'before': experiment.predict(before.fit.parameters, before.fit.initial)}
+    declared = experiment.predict(task.declared)
 
     def judged(model: Model) -> tuple[FinalFit, Runs, dict[str, ChannelError]]:
-        last = before
-        if model.effects:
-            last = final_fit(task.on_every_row(model.problem), model.fit.z, block)
+        last = final_fit(task.on_every_row(model.problem), model.fit.z, block)
         if _unnamed(model):
             last = final_fit(with_gentle_ends(last.problem, last.fit), last.fit.z, block)
-        runs = {**first, 'after': experiment.predict(last.fit.parameters, last.fit.initial)}
+        runs = {'declared': declared, **{
+            stage: experiment.predict(one.parameters, one.initial)
+            for stage, one in (('before', _before(selection, model, last)), ('after', last.fit))}}
         return last, runs, errors_of(experiment, runs, test)
 
     after, runs, errors = judged(selection.chosen)
@@ -110,15 +109,21 @@ def _tested(task: Task, selection: Selection, before: FinalFit, block: Array
     return selection.named, *judged(selection.named)[:2], refused
 
 
+def _before(selection: Selection, model: Model, last: FinalFit) -> Fit:
+    """Return the fit of the declared model alone: to the very end where nothing is added to it."""
+    return selection.root.fit if model.effects else last.fit
+
+
 def _unnamed(model: Model) -> bool:
     return bool(model.effects) and model.effects[0].startswith(UNNAMED)
 
 
-def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit, after: FinalFit,
+def _diagnosis(task: Task, selection: Selection, chosen: Model, after: FinalFit,
                runs: Runs, refused: Refused | None, notes: tuple[str, ...]) -> Diagnosis:
     experiment = task.experiment
     size = len(experiment.time)
     test = rows_of(task.segments, 'test', size)
+    before = _before(selection, chosen, after).parameters
     errors, held_out = (errors_of(experiment, runs, rows) for rows in (
         rows_of(task.segments, 'train', size), test))
     unknown = after.fit.parameters.discrepancy if _unnamed(chosen) else None
@@ -143,7 +148,7 @@ def _diagnosis(task: Task, selection: Selection, chosen: Model, before: FinalFit
         verdict, effects, unknown, errors,
         with_left_open(held_out, experiment, runs['after'], models, test),
         _suspects(selection, chosen), _refitted(task, before, after), task.declared,
-        before.fit.parameters, after.fit.parameters, experiment, tuple(task.segments), runs, notes,
+        before, after.fit.parameters, experiment, tuple(task.segments), runs, notes,
         refused=refused, start=after.fit.initial, decided=decided, alike=models,
         trace=selection.trace)
 
@@ -220,7 +225,7 @@ def _nameless(place: str, selection: Selection, term: Model, held_out: dict[str,
         standing(share, term.reduced_chi2, False, stands(held_out)), share)
 
 
-def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, ...]:
+def _refitted(task: Task, before: PositionerParameters, after: FinalFit) -> tuple[Refitted, ...]:
     rows = []
     for j, free in enumerate(task.freedoms):
         name, element = free.knob.parameter, free.element
@@ -233,7 +238,7 @@ def _refitted(task: Task, before: FinalFit, after: FinalFit) -> tuple[Refitted, 
             low, high = interval.low, interval.high
         width = abs(looser.variable(high) - looser.variable(low)) / (2.0 * 1.96 * looser.sigma)
         given, first, last = (get(p, name, element) for p in (
-            task.declared, before.fit.parameters, after.fit.parameters))
+            task.declared, before, after.fit.parameters))
         rows.append(Refitted(
             label(free), DESCRIPTIONS[name].unit, given, first, last, looser.spread,
             free.away(free.variable(first)), looser.away(z), at_limit, low, high, width))

@@ -5,13 +5,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-
 from booster_ros.diagnosis.data.experiment import UNITS, Array, Experiment, Initial, rmse
 from booster_ros.diagnosis.data.blocks import Segment
 from booster_ros.diagnosis.estimation.uncertainty import Interval
 from booster_ros.diagnosis.selection.decide import TraceStep
 from booster_ros.model.discrepancy import Discrepancy
 from booster_ros.model.system import PositionerParameters
+
+STAGES = ('declared', 'before', 'after')
+"""Models of a diagnosis: parameters as given, refitted, with the effect."""
 
 Started = tuple[PositionerParameters, Initial]
 """A model with where it starts."""
@@ -70,13 +72,11 @@ class ChannelError:
 
 def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], rows: Array
               ) -> dict[str, ChannelError]:
-    """Return by channel how far `runs`, by stage (declared, before, after), miss these rows."""
+    """Return by channel how far `runs`, by stage, miss these rows."""
     errors = {}
     for name, measured in experiment.measured.items():
-        declared, before, after = (
-            rmse(measured, runs[stage][name], rows) for stage in ('declared', 'before', 'after'))
-        errors[name] = ChannelError(
-            UNITS[name], declared, before, after, experiment.noise[name])
+        declared, before, after = (rmse(measured, runs[stage][name], rows) for stage in STAGES)
+        errors[name] = ChannelError(UNITS[name], declared, before, after, experiment.noise[name])
     return errors
 
 
@@ -173,11 +173,7 @@ class FalseAdd:
 
 @dataclass(frozen=True)
 class OtherRecord:
-    """
-    What there is to say of a record that only judges, beside the errors in it.
-
-    `beyond` is the share of rows outside the range of the term without a name.
-    """
+    """A record that only judges; `beyond` is the share of rows out of the range of a term."""
 
     notes: tuple[str, ...]
     drives: tuple[str, ...]
@@ -188,7 +184,7 @@ class OtherRecord:
 @dataclass(frozen=True)
 class Diagnosis:
     """
-    The whole outcome; `runs` holds predictions by stage ('declared', 'before', 'after').
+    The whole outcome; `runs` holds predictions by stage.
 
     `unknown` is the table of a term without a name that was added, `refused` one that did not
     stand; `start` is where `after` begins. `decided` says that without the test set the verdict

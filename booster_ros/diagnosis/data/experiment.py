@@ -189,7 +189,7 @@ class Experiment:
 
     def _longest_interval(self) -> float:
         """Return the length, s, beyond which intervals between rows are divided."""
-        if not self.pinned_within:
+        if not self.pinned_within or 'stem_velocity' in self.pinned:  # it is smooth over rows
             return LONGEST_INTERVAL
         apart = float(np.median(np.diff(self.time)))
         return min(max(apart / PARTS_OF_A_DRIVE, DEFAULT_LONGEST_INTERVAL), LONGEST_INTERVAL)
@@ -231,8 +231,8 @@ class Experiment:
         Return this experiment with fewer rows, and which rows those are.
 
         Rows at which a drive jumps are kept, and one of every `factor` between them. The current
-        between two kept rows is the mean of what it was, a measured pressure that drives that of
-        the rows around a kept one: noise of single rows would be slower, and reach the chamber.
+        between two kept rows is the mean of what it was, a measured drive at a kept row that of the
+        rows around it: noise of single rows would be slower, and reach the chamber.
         """
         size = len(self.time)
         keep = np.zeros(size, dtype=bool)
@@ -253,8 +253,7 @@ class Experiment:
             current=self._mean_current(kept) if self.ends is None else self.current[kept],
             ends=None if self.ends is None else self.ends[np.append(kept[1:], size) - 1],
             measured={name: values[kept] for name, values in self.measured.items()},
-            pinned={name: _means_around(values, kept) if 'pressure' in name else
-                    values[kept] for name, values in self.pinned.items()},
+            pinned={name: _means_around(values, kept) for name, values in self.pinned.items()},
             tolerance=THINNED_TOLERANCE)
         return thin, kept
 

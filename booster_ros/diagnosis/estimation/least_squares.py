@@ -9,7 +9,7 @@ scipy's trust region reflective method, with a Jacobian that is
 2. after a step that it foresaw well, corrected by the smallest change that agrees with the step
    (Broyden's update), after any other formed anew;
 3. formed anew where the descent ends with a corrected one: an end is an end only if the slopes of
-   that very place say so.
+   that very place say so; not where it is broken off.
 
 C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Mathematics of
 Computation 19 (1965) 577-593.
@@ -52,8 +52,10 @@ class Descent:
 class _Slopes:
     """Residuals where they were last asked for, and the Jacobian, which follows the steps."""
 
-    def __init__(self, residuals: Residuals, differences: Differences, begun: Array | None):
-        self._residuals, self._differences, self._jacobian = residuals, differences, begun
+    def __init__(self, residuals: Residuals, differences: Differences, begun: Array | None,
+                 evaluations: int):
+        self._residuals, self._differences = residuals, differences
+        self._jacobian, self._left = begun, evaluations
         self._here: tuple[Array, Array] | None = None
         self._asked: tuple[Array, Array] | None = None
         self.corrected = begun is not None
@@ -64,6 +66,7 @@ class _Slopes:
             if place is not None and np.array_equal(place[0], v):
                 return place[1]
         self._asked = v.copy(), self._residuals(v)
+        self._left -= 1
         return self._asked[1]
 
     def jacobian(self, v: Array) -> Array:
@@ -74,7 +77,7 @@ class _Slopes:
         elif self._here is not None and np.linalg.norm(v - self._here[0]) > NO_STEP:
             step, change = v - self._here[0], r - self._here[1]
             missed = change - jacobian @ step
-            if np.linalg.norm(missed) < FORESEEN * np.linalg.norm(change):
+            if not self._left or np.linalg.norm(missed) < FORESEEN * np.linalg.norm(change):
                 jacobian = jacobian + np.outer(missed, step / (step @ step))
                 self.corrected = True
             else:
@@ -104,7 +107,8 @@ def descend(residuals: Residuals, differences: Differences, begin: Array, low: A
     which need not be quite that of `begin`. Variables are of order one.
     """
     known = _Slopes(lambda v: residuals(v - _SHIFT),
-                    lambda v, r, before: differences(v - _SHIFT, r, before), slopes)
+                    lambda v, r, before: differences(v - _SHIFT, r, before), slopes,
+                    evaluations)
     v, cost = begin + _SHIFT, np.inf
     while True:
         found = least_squares(

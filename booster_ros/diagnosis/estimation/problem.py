@@ -207,11 +207,7 @@ class Problem:
 
     @property
     def first_step(self) -> float:
-        """
-        How far to step for differences, in z, where no slope is known.
-
-        Where chance makes steps in the residuals, what lies beyond several of them tells the way.
-        """
+        """How far to step for differences, in z, where no slope is known; over steps of chance."""
         return 1.0 if self._rough else DIFFERENCE
 
     @cached_property

@@ -75,11 +75,7 @@ CROWDED = 4.0
 
 @dataclass(frozen=True)
 class Term:
-    """
-    A place for a discrepancy: component, variable, a size that shows.
-
-    A `past` is the memory of a change, s, or the reach of a play, N.
-    """
+    """Where a discrepancy may be, a size that shows, and its memory, s, or reach of a play, N."""
 
     location: int
     variable: int

@@ -21,8 +21,8 @@ from booster_ros.records.holding import bridged
 WINDOW = 11
 """Rows over which the measured position is smoothed, so that it has a velocity."""
 
-THINNING = 3
-"""Fits of this part use every third row: a position that drives needs closer rows."""
+THINNING = 5
+"""Every fifth row is fitted: a position that drives needs close ones; odd, to average around it."""
 
 _PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
 
@@ -50,6 +50,11 @@ def upstream(experiment: Experiment) -> Experiment | None:
         noise={'chamber_pressure': experiment.noise['chamber_pressure']},
         pinned={'valve_position': savgol_filter(whole, WINDOW, 2),
                 'stem_velocity': savgol_filter(whole, WINDOW, 2, deriv=1, delta=step)})
+
+
+def is_smoothed(experiment: Experiment) -> bool:
+    """Tell whether an experiment is that of an upstream subsystem, which a smoothed stem drives."""
+    return 'stem_velocity' in experiment.pinned
 
 
 def is_upstream(name: str) -> bool:

@@ -19,8 +19,7 @@ from scipy.stats import binomtest
 from booster_ros.signals.stationary_segments import calm_pieces
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.signals.noise_autocorrelation import noise_of
-from booster_ros.diagnosis.prepare.timing import (
-    commands_may_be_late, with_late_commands)
+from booster_ros.diagnosis.prepare.timing import commands_may_be_late, with_late_commands
 from booster_ros.diagnosis.prepare.start_state import first_value
 from booster_ros.diagnosis.result import Diagnosis, FalseAdd
 from booster_ros.diagnosis.selection.stepwise import Progress

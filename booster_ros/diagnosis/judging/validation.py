@@ -11,7 +11,7 @@ from booster_ros.diagnosis.estimation.fit import fit
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.judging.prediction_uncertainty import with_left_open
 from booster_ros.diagnosis.prepare.start_state import FIRST_SECONDS
-from booster_ros.diagnosis.result import Diagnosis, OtherRecord, errors_of
+from booster_ros.diagnosis.result import STAGES, Diagnosis, OtherRecord, errors_of
 from booster_ros.diagnosis.hypotheses.discrepancy import beyond
 from booster_ros.model.discrepancy import covered
 from booster_ros.model.system import PositionerParameters
@@ -20,10 +20,9 @@ from booster_ros.model.system import PositionerParameters
 def validated(diagnosis: Diagnosis, experiment: Experiment, notes: tuple[str, ...] = ()
               ) -> Diagnosis:
     """Return the diagnosis with the errors of its models on this experiment, and the rest."""
-    stages = (diagnosis.declared, diagnosis.before, diagnosis.after)
-    starts = [_start(experiment, parameters) for parameters in stages]
-    runs = {stage: experiment.predict(*one) for stage, one in zip(
-        ('declared', 'before', 'after'), zip(stages, starts))}
+    models = [getattr(diagnosis, stage) for stage in STAGES]
+    starts = [_start(experiment, parameters) for parameters in models]
+    runs = {stage: experiment.predict(*one) for stage, one in zip(STAGES, zip(models, starts))}
     rows = np.ones(len(experiment.time), dtype=bool)
     errors = with_left_open(errors_of(experiment, runs, rows), experiment, runs['after'],
                             diagnosis.alike, rows, starts[-1])

@@ -68,13 +68,12 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     taken = started(found.x)
     held = _settled_pressure({**first.pinned, 'control_current': first.current}, declared)
     unsettled = abs(held - first.initial.chamber_pressure) > LITTLE * supply
-    evident = is_otherwise(first, taken, declared)
-    if not (evident or unsettled):
+    if not (unsettled or is_otherwise(first, taken, declared)):
         return experiment
-    notes = (f'the E/P converter had not settled at the first command: it is taken to start at '
-             f'{settled + found.x:.0f} Pa',) if evident else ()
-    return replace(experiment, initial=replace(taken.initial, unsettled=unsettled),
-                   notes=(*experiment.notes, *notes))
+    return replace(
+        experiment, initial=replace(taken.initial, unsettled=unsettled), notes=(
+            *experiment.notes, 'the E/P converter had not settled at the first command: it is '
+            f'taken to start at {settled + found.x:.0f} Pa'))
 
 
 def _unmeasured_pressure(columns: Mapping[str, Array], declared: PositionerParameters,

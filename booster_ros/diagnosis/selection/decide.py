@@ -41,6 +41,11 @@ NEARLY_ALL = 0.97
 """Share of what is missing that an effect explains if its law may be merely an idealised one: no
 smooth term takes its place, and none is looked for."""
 
+ISOLATED, SMOOTHED = 0.02, 3.5
+"""Share of the whole model's excess over noise, and reduced chi-square, up to which the upstream
+subsystem lacks nothing: what is missing there leaves 0.4 or more of the excess, and smoothing the
+measured stem may leave the latter by itself."""
+
 MOST = 0.8
 """Share of what was missing: a model that leaves LARGE and explains less than this is a candidate,
 not a finding."""
@@ -65,9 +70,8 @@ class Comparison:
 
     def figures(self) -> dict[str, float]:
         """Return what reports say of it."""
-        return {'log_evidence': self.log_evidence, 'gain': self.gain,
-                'gain_standard_error': self.gain_standard_error, 'dispersion': self.dispersion,
-                'luck': self.luck}
+        return {name: figure for name, figure in vars(self).items()
+                if name != 'without_best_block'}
 
 
 @dataclass(frozen=True)

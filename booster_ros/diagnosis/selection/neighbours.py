@@ -26,12 +26,12 @@ from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
 from booster_ros.diagnosis.hypotheses.friction import begins_on_a_grid, friction_starts
-from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
+from booster_ros.diagnosis.hypotheses.subsystem import is_smoothed, is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
     BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.diagnosis.selection.task import (
-    Model, Task, by_observation, idealised, leaves_noise, near_best, upstream_task)
+    Model, Task, by_observation, idealised, lacks_nothing, leaves_noise, near_best, upstream_task)
 
 Tick = Callable[[], None]
 
@@ -168,7 +168,8 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
             ended += _from_a_grid(task, parent, name)
             tick()
     # first steps say little where an effect bends what it acts on, as a limit of speed does
-    if not any(leaves_noise(one) or idealised(one, parent) for one in ended):
+    met = lacks_nothing if is_smoothed(task.experiment) else idealised
+    if not any(leaves_noise(one) or met(one, parent) for one in ended):
         ended += side_by_side(to_its_end, places[BEST:])
     return ended
 

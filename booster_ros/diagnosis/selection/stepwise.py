@@ -24,7 +24,7 @@ from booster_ros.diagnosis.selection.decide import (
     NEARLY_ALL, TIE, Comparison, TraceStep, compare, why_not)
 from booster_ros.diagnosis.selection.neighbours import neighbours, refitted
 from booster_ros.diagnosis.selection.task import (
-    Model, Task, by_observation, explained, idealised, leaves_noise, near_best,
+    Model, Task, by_observation, explained, idealised, lacks_nothing, leaves_noise, near_best,
     upstream_task)
 from booster_ros.diagnosis.selection.terms import best_terms
 from booster_ros.model.catalogue import EFFECTS
@@ -33,11 +33,6 @@ Progress = Callable[[str, float], None]
 
 MOST_EFFECTS = 3
 """Effects in all, at the most: each further one takes a round, and few valves have more."""
-
-ISOLATED, SMOOTHED = 0.02, 3.5
-"""Share of the whole model's excess over noise, and reduced chi-square, up to which the upstream
-subsystem lacks nothing: what is missing there leaves 0.4 or more of the excess, and smoothing the
-measured stem may leave the latter by itself."""
 
 _BELOW = frozenset({'stem', 'sensor'})
 
@@ -129,8 +124,7 @@ def _upstream_first(task: Task, root: Model, trace: _Trace, tell: Progress) -> t
         return task, root
     tell('looking above the stem', 0.04)
     parent = refitted(above)
-    left = parent.reduced_chi2
-    if left < SMOOTHED and left - 1.0 < ISOLATED * (root.reduced_chi2 - 1.0):
+    if lacks_nothing(parent, root):
         return replace(task, places=task.places & _BELOW, names=tuple(
             name for name in task.names if EFFECTS[name].location in _BELOW)), root
     found = neighbours(above, parent, above.names)

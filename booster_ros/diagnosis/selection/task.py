@@ -16,7 +16,7 @@ from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effects
 from booster_ros.diagnosis.hypotheses.subsystem import THINNING as UPSTREAM_THINNING
 from booster_ros.diagnosis.hypotheses.subsystem import free_upstream, is_upstream, upstream
-from booster_ros.diagnosis.selection.decide import NEARLY_ALL, NOISE
+from booster_ros.diagnosis.selection.decide import ISOLATED, NEARLY_ALL, NOISE, SMOOTHED
 from booster_ros.diagnosis.selection.score import Score, score_of
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.system import PositionerParameters
@@ -125,6 +125,12 @@ def leaves_noise(model: Model) -> bool:
 def idealised(model: Model, root: Model) -> bool:
     """Tell whether no more is left of a summary than idealising laws leave."""
     return model.problem.observation.summary and explained(model, root) > NEARLY_ALL
+
+
+def lacks_nothing(above: Model, whole: Model) -> bool:
+    """Tell whether an upstream subsystem leaves what its smoothed stem may, of all that is left."""
+    left = above.reduced_chi2
+    return left < SMOOTHED and left - 1.0 < ISOLATED * (whole.reduced_chi2 - 1.0)
 
 
 def thinned(experiment: Experiment, factor: int) -> tuple[Experiment, Array]:
