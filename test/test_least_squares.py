@@ -77,3 +77,16 @@ def test_bounds_and_the_number_of_evaluations_are_kept():
         descend(counted.residuals, counted.differences, np.array([0.1, 5.0, -2.0]), -WIDE, WIDE,
                 most)
         assert len(counted.places) <= most
+
+
+def test_where_a_descent_is_broken_off_no_jacobian_is_formed():
+    def banana(z):
+        return np.array([10.0 * (z[1] - z[0]**2), 1.0 - z[0]])
+
+    begin = np.array([-1.2, 1.0])
+    for most in (2, 4):
+        counted = Counted(banana)
+        found = descend(counted.residuals, counted.differences, begin, -WIDE[:2], WIDE[:2], most)
+        assert len(counted.places) == most
+        assert found.cost < np.sum(banana(begin)**2)
+        assert not any(np.array_equal(place, counted.places[-1]) for place, _ in counted.formed)

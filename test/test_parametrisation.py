@@ -49,13 +49,12 @@ def test_beside_what_loosens_it_a_parameter_has_its_own_limit():
     looser = loosened(free, bent)
     for share, wide, limit in ((1.1, free, True), (1.1, looser, False), (1.3, looser, True)):
         gain = share * P.ep_converter.gain
-        start = Fit((wide,), np.zeros(1), P, Initial(0.0), 0.0, np.zeros(1), np.ones((1, 1)))
-        after = replace(start, z=np.array([wide.variable(gain)]),
-                        parameters=put(P, 'ep_converter.gain', gain))
+        after = Fit((wide,), np.array([wide.variable(gain)]), put(P, 'ep_converter.gain', gain),
+                    Initial(0.0), 0.0, np.zeros(1), np.ones((1, 1)))
         problem = SimpleNamespace(freedoms=(wide,))
         draws = after.z + 0.5 * wide.sigma * np.random.default_rng(1).standard_normal((400, 1))
         (found,) = _refitted(SimpleNamespace(freedoms=(free,), declared=P),
-                             FinalFit(problem, start, draws), FinalFit(problem, after, draws))
+                             P, FinalFit(problem, after, draws))
         assert found.at_limit is limit
         assert found.spread == pytest.approx(wide.spread)
         if limit:  # its value is no measurement

@@ -3,6 +3,7 @@
 """What is seen above the stem, with its measured position as what drives the chamber."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from made_effect import add_effect
 from made_task import P, problem_of, seen, task_of
@@ -10,7 +11,8 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.hypotheses.subsystem import free_upstream, is_upstream, upstream
-from booster_ros.diagnosis.selection.task import upstream_task
+from booster_ros.diagnosis.selection.neighbours import BEST, neighbours, refitted
+from booster_ros.diagnosis.selection.task import lacks_nothing, upstream_task
 
 
 def test_above_the_stem_friction_does_not_matter_but_a_leak_shows():
@@ -74,3 +76,42 @@ def test_the_task_above_the_stem_tries_what_lies_there():
     assert above.names == ('chamber_leak', 'ep_hysteresis')
     assert above.experiment.channels == ('chamber_pressure',)
     assert upstream_task(above) is None  # its position drives it already
+
+
+def waved(plant, step, seconds):
+    """Return a record of steps and a wave of the current, with rows so far apart, s."""
+    time = np.arange(0.0, seconds, step)
+    current = 0.012 + 0.004 * np.sign(np.sin(0.6 * time)) + 0.002 * np.sin(2.0 * time)
+    return seen(plant, current=current, time=time)
+
+
+@pytest.mark.parametrize('step', [0.01, 0.02])
+def test_thinned_rows_of_a_stem_that_drives_say_nearly_what_all_rows_say(step):
+    task = upstream_task(task_of(waved(P, step, 60.0), ()))
+    above = task.experiment
+    thin, kept = above.thinned(task.thinning)
+    assert len(kept) < 0.6 * len(above.time)
+    single = replace(thin, pinned={name: values[kept] for name, values in above.pinned.items()})
+    whole = above.predict(P)['chamber_pressure'][kept]
+    off, off_single = (float(np.sqrt(np.mean((one.predict(P)['chamber_pressure'] - whole)**2)))
+                       for one in (thin, single))
+    assert off < 0.5 * above.noise['chamber_pressure']
+    assert off < 0.7 * off_single
+
+
+@pytest.mark.parametrize(('left', 'whole', 'said'), [
+    (1.0, 50.0, True), (1.9, 50.0, True), (2.1, 50.0, False), (3.4, 1000.0, True),
+    (3.6, 1000.0, False)])
+def test_a_smoothed_stem_may_leave_more_than_noise(left, whole, said):
+    assert lacks_nothing(*(SimpleNamespace(reduced_chi2=one) for one in (left, whole))) is said
+
+
+def test_where_one_effect_is_all_that_is_missing_above_no_others_are_fitted_to_their_end():
+    leaking = P._replace(actuator=P.actuator._replace(leak_area=4e-7))
+    names = ('chamber_leak', 'ep_hysteresis', 'ep_gain_loss', 'supply_droop', 'heat_transfer')
+    above = upstream_task(task_of(waved(leaking, 0.01, 20.0), names))
+    parent = refitted(above)
+    found = neighbours(above, parent, names)
+    assert found.near[0].effects == ('chamber_leak',)
+    assert lacks_nothing(found.near[0], parent)
+    assert len(found.near) + len(found.far) == BEST < len(names)

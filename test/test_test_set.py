@@ -10,7 +10,6 @@ import pytest
 
 from booster_ros.diagnosis import pipeline
 from booster_ros.diagnosis.data.blocks import rows_of, split, training_blocks
-from booster_ros.diagnosis.estimation.final_fit import final_fit
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import ChannelError, errors_of
 from booster_ros.diagnosis.selection import terms as best
@@ -103,9 +102,8 @@ def test_a_term_that_the_test_set_speaks_against_is_not_in_the_model(stays, wave
         root, term = seen_anew(experiment, root), seen_anew(experiment, term)
     selection = Selection(root, term, root, (root, term), ())
     block = training_blocks(task.segments, len(task.experiment.time))
-    before = final_fit(root.problem, root.fit.z, block)
-    chosen, after, runs, refused = pipeline._tested(task, selection, before, block)
-    found = pipeline._diagnosis(task, selection, chosen, before, after, runs, refused, ())
+    chosen, after, runs, refused = pipeline._tested(task, selection, block)
+    found = pipeline._diagnosis(task, selection, chosen, after, runs, refused, ())
     assert found.verdict == 'unknown'
     assert [effect.location for effect in found.effects] == ['stem']
     assert found.added == stays == (found.refused is None)

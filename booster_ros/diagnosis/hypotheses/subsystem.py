@@ -4,8 +4,8 @@
 The upstream subsystem: the positioner above its stem, driven by the measured stem.
 
 Packing friction makes a record nearly unpredictable in detail. A model of the part above the stem,
-driven by the measured current and position, knows no friction: it tells what lies above the stem,
-in a fraction of the time (identification of a subsystem with a measured interface variable).
+driven by the measured current and position, knows no friction: it tells what lies above the stem
+(identification of a subsystem with a measured interface variable).
 """
 
 from dataclasses import replace
@@ -21,8 +21,8 @@ from booster_ros.records.holding import bridged
 WINDOW = 11
 """Rows over which the measured position is smoothed, so that it has a velocity."""
 
-THINNING = 5
-"""Every fifth row is fitted: a position that drives needs close ones; odd, to average around it."""
+APART = 0.05
+"""Distance of the rows that are fitted, s: a position that drives needs them closer than others."""
 
 _PLACES = ('ep_converter', 'supply', 'booster', 'tubing', 'chamber')
 

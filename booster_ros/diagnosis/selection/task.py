@@ -14,8 +14,7 @@ from booster_ros.diagnosis.estimation.fit import Fit, fit_at
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effects
-from booster_ros.diagnosis.hypotheses.subsystem import THINNING as UPSTREAM_THINNING
-from booster_ros.diagnosis.hypotheses.subsystem import free_upstream, is_upstream, upstream
+from booster_ros.diagnosis.hypotheses.subsystem import APART, free_upstream, is_upstream, upstream
 from booster_ros.diagnosis.selection.decide import ISOLATED, NEARLY_ALL, NOISE, SMOOTHED
 from booster_ros.diagnosis.selection.score import Score, score_of
 from booster_ros.model.catalogue import EFFECTS
@@ -144,5 +143,6 @@ def upstream_task(task: Task) -> Task | None:
     """Return the task of the subsystem above the stem, None where the record does not show it."""
     above = upstream(task.experiment)
     return None if above is None else replace(
-        task, experiment=above, freedoms=free_upstream(task.freedoms), thinning=UPSTREAM_THINNING,
+        task, experiment=above, freedoms=free_upstream(task.freedoms),
+        thinning=max(round(APART / float(np.median(np.diff(above.time)))), 1),
         names=tuple(filter(is_upstream, task.names)))
