@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Within which bounds parameters are fitted, what loosens them, and which end at a limit."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 from made_diagnosis import DECLARED, record_of, timed_columns

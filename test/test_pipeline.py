@@ -4,13 +4,16 @@
 
 from dataclasses import replace
 
-from made_task import P, steps_seen
+from made_task import P, steps_seen, task_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.data.blocks import rows_of, split
-from booster_ros.diagnosis.pipeline import diagnose
+from booster_ros.diagnosis.data.blocks import rows_of, split, training_blocks
+from booster_ros.diagnosis import pipeline
 from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.pipeline import diagnose
+from booster_ros.diagnosis.selection.neighbours import refitted
+from booster_ros.diagnosis.selection.stepwise import Selection
 from booster_ros.records import RecordError
 
 LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2, 4.0, 4.3])
@@ -77,3 +80,17 @@ def test_a_record_without_a_value_to_fit_or_to_judge_by_is_refused(role, purpose
         name: np.where(gone, np.nan, values) for name, values in experiment.measured.items()})
     with pytest.raises(RecordError, match=f'no row to {purpose} by'):
         diagnose(empty, P, names=())
+
+
+def test_an_effect_that_the_last_fit_puts_back_to_none_is_not_found():
+    """Fits that models are compared by may end early: a slower converter was once a dead time."""
+    leaking = put(P, 'actuator.leak_area', 5e-8)
+    task = task_of(steps_seen(leaking, LEVELS, 1.7e5, 3), NAMES)
+    root, leak = refitted(task), refitted(task, ('chamber_leak',))
+    both = refitted(task, ('chamber_leak', 'dead_time'), leak.fit)
+    selection = Selection(root, both, both, (root, leak, both), ())
+    block = training_blocks(task.segments, len(task.experiment.time))
+    chosen, last, _, refused = pipeline._tested(task, selection, block)
+    assert (chosen, refused) == (leak, None)
+    assert last.fit.parameters.ep_converter.dead_time == 0.0
+    assert last.fit.parameters.actuator.leak_area == pytest.approx(5e-8, rel=0.05)

@@ -97,9 +97,13 @@ def _tested(task: Task, selection: Selection, block: Array
             for stage, one in (('before', _before(selection, model, last)), ('after', last.fit))}}
         return last, runs, errors_of(experiment, runs, test)
 
-    after, runs, errors = judged(selection.chosen)
-    if not _unnamed(selection.chosen) or stands(errors):
-        return selection.chosen, after, runs, None
+    chosen = selection.chosen
+    after, runs, errors = judged(chosen)
+    while unseen := [name for name in chosen.effects if _is_none(after, name)]:
+        chosen = _without(selection, chosen, unseen[0])
+        after, runs, errors = judged(chosen)
+    if not _unnamed(chosen) or stands(errors):
+        return chosen, after, runs, None
     table = after.fit.parameters.discrepancy
     outside = beyond(covered(table), experiment, after.fit.parameters, after.fit.initial)
     refused = Refused(
@@ -112,6 +116,14 @@ def _tested(task: Task, selection: Selection, block: Array
 def _before(selection: Selection, model: Model, last: FinalFit) -> Fit:
     """Return the fit of the declared model alone: to the very end where nothing is added to it."""
     return selection.root.fit if model.effects else last.fit
+
+
+def _is_none(last: FinalFit, name: str) -> bool:
+    """Tell whether the fit to the very end puts all sizes of an effect back to none."""
+    own = EFFECTS[name].knobs if name in EFFECTS else ()
+    sizes = {knob.parameter for knob in own if not knob.shape}
+    return bool(sizes) and not any(z for free, z in zip(last.problem.freedoms, last.fit.z)
+                                   if free.knob.parameter in sizes)
 
 
 def _unnamed(model: Model) -> bool:

@@ -83,10 +83,9 @@ def errors_of(experiment: Experiment, runs: Mapping[str, Mapping[str, Array]], r
 @dataclass(frozen=True)
 class Refused:
     """
-    A term without a name that did not stand: its place, its variable, the held-out errors with it.
+    A term without a name that did not stand, its held-out errors, None if it explains too little.
 
     `beyond` is the share of held-out rows that go beyond the range in which the term was seen.
-    `error` is None where the term explains too little of what it was fitted to.
     """
 
     location: str
@@ -153,10 +152,9 @@ class Refitted:
 @dataclass(frozen=True)
 class FalseAdd:
     """
-    How often the procedure added something to simulated records of a model that lacks nothing.
+    To how many of so many simulated records, of a model that lacks nothing, something was added.
 
-    Something was added to `gained` of `runs` records; `low` and `high` are the 95 % interval of
-    the rate (Clopper-Pearson), `names` counts what was added.
+    `low` and `high` are the 95 % interval of the rate (Clopper-Pearson), `names` counts what.
     """
 
     runs: int

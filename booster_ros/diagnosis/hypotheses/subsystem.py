@@ -52,11 +52,6 @@ def upstream(experiment: Experiment) -> Experiment | None:
                 'stem_velocity': savgol_filter(whole, WINDOW, 2, deriv=1, delta=step)})
 
 
-def is_smoothed(experiment: Experiment) -> bool:
-    """Tell whether an experiment is that of an upstream subsystem, which a smoothed stem drives."""
-    return 'stem_velocity' in experiment.pinned
-
-
 def is_upstream(name: str) -> bool:
     """Tell whether an effect changes the pressure that belongs to a given motion of the stem."""
     effect = EFFECTS[name]

@@ -26,7 +26,7 @@ from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
 from booster_ros.diagnosis.hypotheses.friction import begins_on_a_grid, friction_starts
-from booster_ros.diagnosis.hypotheses.subsystem import is_smoothed, is_upstream
+from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
     BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
@@ -36,8 +36,7 @@ from booster_ros.diagnosis.selection.task import (
 Tick = Callable[[], None]
 
 BEGUN = 10
-"""Number of screened effects that get first steps of a fit: screening ranks the right effect among
-the first ten."""
+"""Number of screened effects that get first steps of a fit: the right one is among so many."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +167,7 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
             ended += _from_a_grid(task, parent, name)
             tick()
     # first steps say little where an effect bends what it acts on, as a limit of speed does
-    met = lacks_nothing if is_smoothed(task.experiment) else idealised
+    met = lacks_nothing if 'stem_velocity' in task.experiment.pinned else idealised
     if not any(leaves_noise(one) or met(one, parent) for one in ended):
         ended += side_by_side(to_its_end, places[BEST:])
     return ended

@@ -60,11 +60,7 @@ the wrong frequency.
 
 @dataclass(frozen=True)
 class Screened:
-    """
-    An effect, the problem with it added, and where to fit from, best first.
-
-    `starts` are costs, the variables there, and the references that they were reckoned from.
-    """
+    """An effect, its problem, and where to fit from, best first: cost, z, and reference."""
 
     effect: str
     problem: Problem
