@@ -144,6 +144,11 @@ def upper_stop(act: Actuator) -> float:
     return act.travel * (1.0 - act.upper_travel_lost)
 
 
+def is_in_a_stop(act: Actuator, position: float) -> bool:
+    """Tell whether an end stop yields to a stem that stands here (m)."""
+    return position < lower_stop(act) or position > upper_stop(act)
+
+
 def stop_force(act: Actuator, position: float, velocity: float) -> float:
     """Return the force of the end stops on the stem, N, positive towards open; never pulls."""
     within = position - lower_stop(act)

@@ -19,12 +19,12 @@ The functions work on lists (plain Python) and on numpy arrays (compiled) alike.
 
 import math
 
-from .actuator import presliding_time
+from .actuator import is_in_a_stop, presliding_time
 from .ahead import begin_ahead, covers, finish, go_along
 from .dormand_prince import ORDER as EXPLICIT_ORDER, contraction, explicit_step
 from .memory import DIRECTION, STEP_AHEAD, STIFFNESS, TRIAL_STEP
 from .rodas3 import ORDER as IMPLICIT_ORDER, fill_jacobian, implicit_step
-from .state import CHAMBER, PRESLIDING, STATES, VELOCITY
+from .state import CHAMBER, POSITION, PRESLIDING, STATES, VELOCITY
 from .sticking import breakaway_excess, friction_time_scale, slip_direction, sticks
 from .system import PositionerParameters, derivatives
 from .workspace import Workspace, new_workspace
@@ -154,10 +154,15 @@ def _step_to_rest(p, time, now, current, direction, y, step, explicit, active, c
 
 
 def _begin_slip(p, time, current, y, memory) -> None:
-    """Remember where to a stuck stem begins to slide, and that it starts in short steps."""
+    """
+    Remember where to a stuck stem begins to slide, and that it starts in short steps.
+
+    One that a stop has yielded to creeps as slowly as the force on it changes. In explicit steps
+    its velocity would be noise of either sign, and it would stop and go thousands of times.
+    """
     memory[DIRECTION] = slip_direction(p, time, current, y)
     memory[TRIAL_STEP] = FIRST_SLIP_STEP
-    memory[STIFFNESS] = 0.0
+    memory[STIFFNESS] = STIFF_STEPS if is_in_a_stop(p.actuator, y[POSITION]) else 0.0
 
 
 def _is_explicit(memory, step: float, direction: float, fast: float) -> bool:
