@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 from booster_ros.benchmark import cases
 from booster_ros.benchmark.reference import reference
+from booster_ros.model import solver
 from booster_ros.model.compiled import compiled_run
 from booster_ros.model.memory import MEMORIES, start_memory
 from booster_ros.model.simulation import Plant, active_states, settled_state, simulate
@@ -406,3 +407,22 @@ def test_of_two_rows_with_one_stamp_the_last_counts(values):
     double = simulate(p, np.insert(time, at, time[at]), np.insert(current, at, 0.3e-3))
     for name, column in single.columns.items():
         assert np.array_equal(np.delete(double[name], at), column), name
+
+
+@pytest.mark.parametrize('ends', [(0.6, 0.9), (0.9, 0.6)], ids=['released', 'pressed'])
+def test_a_stem_that_creeps_in_its_stop_takes_few_steps(monkeypatch, ends):
+    """It stopped and went at every third step, as its velocity was that of the solver's error."""
+    tried = []
+    once = solver._try_step
+    monkeypatch.setattr(solver, '_try_step', lambda *given: tried.append(1) or once(*given))
+    p = positioner({'actuator.coulomb_friction': 300.0})
+    time = rows(1.0)
+    pressure = p.actuator.bench_set[0] * np.interp(time, (0.0, 1.0), ends)
+    run = simulate(p, time, np.zeros_like(time), pinned={'chamber_pressure': pressure},
+                   compiled=False)
+    assert len(tried) < 40 * len(time)
+    force = p.actuator.effective_area * (p.actuator.bench_set[0] - pressure)
+    pressed = -p.actuator.stop_stiffness * run['valve_position']
+    # friction holds the rest; the pressure of a row is reached half a row later
+    assert np.all(np.abs(pressed - force)[1:] < 300.0 + np.abs(np.diff(force)).max())
+    assert np.ptp(pressed) > 0.8 * np.ptp(force) - 300.0
