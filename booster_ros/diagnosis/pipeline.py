@@ -4,7 +4,7 @@
 From a prepared experiment to a verdict: select, estimate, test, report.
 
 1. `select`: effects, and terms without a name, step by step on the training blocks.
-2. `final_fit`: the declared model and the chosen one to every training row, with intervals.
+2. `final_fit`: the chosen model to every training row and to the very end, with intervals.
 3. The test set is opened once: a term without a name that does not stand there is refused.
 4. `Diagnosis`: the outcome as data.
 """
@@ -13,16 +13,14 @@ from collections.abc import Collection
 
 import numpy as np
 
-from booster_ros.diagnosis.data.blocks import (
-    rows_of, split, split_sweep, training_blocks)
+from booster_ros.diagnosis.data.blocks import rows_of, split, split_sweep, training_blocks
 from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import get, label
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
-from booster_ros.diagnosis.hypotheses.discrepancy import (
-    UNNAMED, beyond, place_of, with_gentle_ends)
+from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, beyond, place_of, with_gentle_ends
 from booster_ros.diagnosis.judging.prediction_uncertainty import models_alike, with_left_open
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import (

@@ -11,8 +11,8 @@ be.
 from collections.abc import Callable, Mapping
 
 from .actuator import (
-    balance_position, breakaway_friction, has_dry_friction, lower_stop, process_force,
-    stem_force, upper_stop)
+    balance_position, breakaway_friction, has_dry_friction, is_in_a_stop, lower_stop,
+    process_force, stem_force, upper_stop)
 from .booster import NO_BOOSTER
 from .discrepancy import POSITION_SENSOR, PRESSURE_SENSOR
 from .memory import Departure, start_current
@@ -72,7 +72,7 @@ def rests_on_a_stop(
     act = p.actuator
     pushed = process_force(act, pressure_drop)
     balance = balance_position(act, pressure, lambda position: pushed)
-    if lower_stop(act) <= balance <= upper_stop(act) or abs(balance - read) > UNSURE * act.travel:
+    if not is_in_a_stop(act, balance) or abs(balance - read) > UNSURE * act.travel:
         return False
     edge = lower_stop(act) if balance < lower_stop(act) else upper_stop(act)
     return abs(stem_force(act, pressure, edge, 0.0, pushed)) > breakaway_friction(act, edge)

@@ -54,11 +54,7 @@ UNITS = {'set_point': 'm', 'back_pressure': 'Pa', 'supply_pressure': 'Pa', 'mass
 
 @dataclass(frozen=True)
 class Initial:
-    """
-    Where the model starts; a fit may turn its departures from the first row.
-
-    Of an `unsettled` start little is known of the back pressure.
-    """
+    """Where the model starts; fits turn its departures, the back pressure's far if `unsettled`."""
 
     chamber_pressure: float
     departure: Departure = CENTRED
@@ -148,6 +144,11 @@ class Experiment:
         return frozenset(self.pinned) - {'pressure_drop'}
 
     @property
+    def smoothed(self) -> bool:
+        """Whether the measured stem drives the model, smoothed over rows."""
+        return 'stem_velocity' in self.pinned
+
+    @property
     def in_loop(self) -> bool:
         """Whether a set point drives the model by way of the position controller."""
         return self.command == 'set_point'
@@ -189,7 +190,7 @@ class Experiment:
 
     def _longest_interval(self) -> float:
         """Return the length, s, beyond which intervals between rows are divided."""
-        if not self.pinned_within or 'stem_velocity' in self.pinned:  # it is smooth over rows
+        if not self.pinned_within or self.smoothed:
             return LONGEST_INTERVAL
         apart = float(np.median(np.diff(self.time)))
         return min(max(apart / PARTS_OF_A_DRIVE, DEFAULT_LONGEST_INTERVAL), LONGEST_INTERVAL)

@@ -107,8 +107,7 @@ def descend(residuals: Residuals, differences: Differences, begin: Array, low: A
     which need not be quite that of `begin`. Variables are of order one.
     """
     known = _Slopes(lambda v: residuals(v - _SHIFT),
-                    lambda v, r, before: differences(v - _SHIFT, r, before), slopes,
-                    evaluations)
+                    lambda v, r, before: differences(v - _SHIFT, r, before), slopes, evaluations)
     v, cost = begin + _SHIFT, np.inf
     while True:
         found = least_squares(

@@ -207,8 +207,8 @@ class Problem:
 
     @property
     def first_step(self) -> float:
-        """How far to step for differences, in z, where no slope is known; over steps of chance."""
-        return 1.0 if self._rough else DIFFERENCE
+        """How far to step for differences, in z, where no slope is known."""
+        return 1.0 if self._rough else DIFFERENCE  # beyond several steps of chance
 
     @cached_property
     def _rough(self) -> float:

@@ -75,7 +75,7 @@ CROWDED = 4.0
 
 @dataclass(frozen=True)
 class Term:
-    """Where a discrepancy may be, a size that shows, and its memory, s, or reach of a play, N."""
+    """Where a discrepancy may be, a size that shows, its past: memory, s, or reach of a play, N."""
 
     location: int
     variable: int

@@ -167,7 +167,7 @@ def _begun(task: Task, parent: Model, names: list[str], imitated: bool, tick: Ti
             ended += _from_a_grid(task, parent, name)
             tick()
     # first steps say little where an effect bends what it acts on, as a limit of speed does
-    met = lacks_nothing if 'stem_velocity' in task.experiment.pinned else idealised
+    met = lacks_nothing if task.experiment.smoothed else idealised
     if not any(leaves_noise(one) or met(one, parent) for one in ended):
         ended += side_by_side(to_its_end, places[BEST:])
     return ended
