@@ -45,9 +45,9 @@ def starts_nodes(module: ModuleType) -> bool:
 
 
 LONG = (
-    'test_stepwise', 'test_fake_controller', 'test_style', 'test_campaign', 'test_loop_closed',
-    'test_fleet_run', 'test_interval_coverage', 'test_friction', 'test_discrepancy',
-    'test_close_loop', 'test_test_set', 'test_hidden_plant', 'test_twin_node', 'test_docs_testing')
+    'test_stepwise', 'test_fake_controller', 'test_style', 'test_campaign',
+    'test_twin_node_answers', 'test_fleet_run', 'test_demo', 'test_close_loop', 'test_loop_closed',
+    'test_html_report', 'test_twin_answers', 'test_model_limits', 'test_hidden_plant')
 """
 Files that take long, these first: what comes last would keep one of several cores busy alone.
 

@@ -22,7 +22,7 @@ from booster_ros.model.booster import NO_BOOSTER
 from booster_ros.model.catalogue import EFFECTS, Knob
 from booster_ros.model.gas import ISENTROPIC
 
-TIME = np.arange(0.0, 60.0, 0.05)
+TIME = np.arange(0.0, 30.0, 0.05)
 BACK = {'back_pressure': 244e3 + 5e3 * np.sin(TIME)}
 SUPPLY = {'supply_pressure': np.full(len(TIME), 400e3)}
 FLOW = {'mass_flow': 1e-4 * np.cos(TIME)}
@@ -32,7 +32,7 @@ DROP = {'pressure_drop': 2e5 + 1e5 * np.sin(0.3 * TIME)}
 @cache
 def timed():
     """Return the columns of a record with a current, which are simulated once."""
-    return timed_columns(seconds=60.0)
+    return timed_columns(seconds=30.0)
 
 
 def bench():
@@ -62,6 +62,7 @@ RECORDS = {
 }
 
 
+@cache
 def prepared(kind):
     """Return a prepared record; what nothing drives is of a chamber that is declared shut."""
     declared = put(DECLARED, 'booster.opening_gain', 0.0) if kind == 'isolated' else DECLARED

@@ -3,6 +3,7 @@
 """Records of valves that changed on the way, by a plant of other equations."""
 
 from dataclasses import replace
+from functools import cache
 import re
 
 from hidden_plant.cases import Case, play
@@ -24,6 +25,12 @@ AT = 20.0
 
 def columns_of(*effects, seed=5):
     """Return the columns of a record of the hidden plant with these effects."""
+    return {name: values.copy() for name, values in played(effects, seed).items()}
+
+
+@cache
+def played(effects, seed):
+    """Return such columns, the same ones each time."""
     case = Case('hidden', effects, seed=seed)
     current = KINDS['mixed'](np.random.default_rng([seed, 1]), SECONDS)
     pressure, position = recorded(*play(*case.plant(), current), np.random.default_rng(seed))
@@ -31,16 +38,28 @@ def columns_of(*effects, seed=5):
             'chamber_pressure': pressure, 'valve_position': position}
 
 
-def knocked(by, at):
-    """Return the columns of a valve whose position reads this much more, m, from a time on."""
-    columns = columns_of()
+def coarse(columns, every=2):
+    """Return every other row, or one of so many."""
+    return {name: values[::every] for name, values in columns.items()}
+
+
+@cache
+def knocked(by, at, every=2):
+    """Return record and diagnosis of a valve whose position reads this much more, m, from then."""
+    columns = coarse(columns_of(), every)
     columns['valve_position'] = columns['valve_position'] + by * (columns['time'] >= at)
-    return columns
+    return record_of(columns), diagnosis_of(columns, 'none')
 
 
 def diagnosed(columns):
     """Return the diagnosis from the change on, after one of the whole that added nothing."""
     return since_change(diagnosis_of(columns, 'none'), record_of(columns), diagnose)
+
+
+@pytest.fixture(scope='module')
+def change():
+    """Return what is found of a sensor that is knocked early."""
+    return change_point._change(knocked(3e-4, AT)[1])
 
 
 def meets(found):
@@ -88,23 +107,23 @@ def test_a_sensor_that_dies_is_said_to_be_silent():
     assert 'the sensor is dead or cut off, or the valve sticks fast' in sentences
 
 
-def test_what_came_after_is_diagnosed_by_itself(monkeypatch):
-    columns = knocked(3e-4, AT)
-    clean = columns_of()
+def test_what_came_after_is_diagnosed_by_itself(monkeypatch, change):
+    record, whole = knocked(3e-4, AT)
+    clean = coarse(columns_of())
     after = {name: values[clean['time'] >= AT] for name, values in clean.items()}
     later = diagnosis_of(after, 'none')
+    monkeypatch.setattr(change_point, '_change', lambda _: change)
     monkeypatch.setattr(change_point, '_later', lambda *_: later)
-    found = since_change(diagnosis_of(columns, 'none'), record_of(columns), diagnose)
+    found = since_change(whole, record, diagnose)
     assert found.change.cut
     assert found.verdict == 'none'
 
 
 def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():
-    columns = knocked(3e-4, 50.0)
-    whole = diagnosis_of(columns, 'none')
+    record, whole = knocked(3e-4, 50.0, 1)
     open_yet = replace(whole, held_out={name: replace(error, left_open=9.0, unforeseen=1.0)
                                         for name, error in whole.held_out.items()})
-    found = since_change(open_yet, record_of(columns), diagnose)
+    found = since_change(open_yet, record, diagnose)
     # a refit to the rows after the change as well has not met them
     assert not any(error.foreseen for error in found.held_out.values() if not error.met)
     assert found.change.time == pytest.approx(50.0, abs=0.3)
@@ -118,7 +137,7 @@ def test_of_a_sensor_that_is_knocked_near_the_end_only_the_time_is_told():
     pytest.param((('chamber_leak', 5e-8),), id='a leak from the start'),
 ])
 def test_a_valve_that_stayed_what_it_was_did_not_change(hidden):
-    columns = columns_of(*hidden)
+    columns = coarse(columns_of(*hidden))
     whole = diagnosis_of(columns, 'none')
     assert since_change(whole, record_of(columns), diagnose) is whole
 
@@ -131,11 +150,12 @@ def leaving(diagnosis, times):
 
 @pytest.mark.parametrize(('times', 'cut'), [(3.0, False), (2.0, True)])
 def test_a_diagnosis_of_the_rest_has_to_leave_half_and_may_still_leave_something(
-        times, cut, monkeypatch):
-    columns = knocked(3e-4, AT)
-    whole = leaving(diagnosis_of(columns, 'none'), 4.0)  # squares: half of 16 is 8
+        times, cut, monkeypatch, change):
+    record, whole = knocked(3e-4, AT)
+    whole = leaving(whole, 4.0)  # squares: half of 16 is 8
+    monkeypatch.setattr(change_point, '_change', lambda _: change)
     monkeypatch.setattr(change_point, '_later', lambda *_: leaving(whole, times))
-    found = since_change(whole, record_of(columns), diagnose)
+    found = since_change(whole, record, diagnose)
     assert found.change.cut is cut
     assert found.change.time == pytest.approx(AT, abs=0.3)
     assert found.verdict == 'none'

@@ -105,7 +105,8 @@ def test_a_leaking_chamber_is_told_and_the_written_model_leaks(tmp_path):
     write_parameter_file(tmp_path / 'closed.yaml', closed, node=node)
     out = tmp_path / 'made' / 'here'
     done = close_loop_process('--record', record, '--params', tmp_path / 'closed.yaml',
-                              '--out', out, '--validation', again)
+                              '--out', out, '--validation', again,
+                              '--only', 'chamber_leak', 'exhaust_seat_leak', 'pressure_sensor_bias')
     assert done.returncode == 0, done.stderr
     assert {path.name for path in out.iterdir()} == WRITTEN
     report = json.loads((out / 'report.json').read_text())
@@ -128,9 +129,10 @@ def test_bad_input_is_refused_in_one_sentence_and_nothing_is_written(
     out = tmp_path / 'out'
     good = ('--record', record, '--params', declared, '--out', out)
     absent = tmp_path / 'absent.csv'
-    assert_refused(close_loop_process(*good, '--record', absent), 'absent.csv')
+    assert_refused(close_loop(*good, '--record', absent), 'absent.csv')
     assert_refused(close_loop(*good, '--validation', absent), 'absent.csv')
     assert_refused(close_loop(*good, '--params', tmp_path / 'absent.yaml'), 'absent.yaml')
+    assert_refused(close_loop(*good, '--params', 'a\n\x1b[2J'), r'a\n\x1b[2J')
     alone = write(tmp_path / 'alone.csv', {
         'time': np.arange(40.0), 'control_current': np.full(40, 0.4e-3)})
     assert_refused(close_loop(*good, '--record', alone), 'alone.csv', 'nothing can be compared')
@@ -385,9 +387,10 @@ def test_an_interruption_among_the_last_moves_is_too_late(
     assert (out / 'positioner.yaml').read_text() != 'earlier'
 
 
+@pytest.mark.usefixtures('found_at_once')
 def test_of_the_files_of_a_result_none_is_new_where_one_cannot_be_replaced(
         tmp_path, declared, record, monkeypatch, capsys):
-    """Here somebody makes a folder in the place of one while the search goes on."""
+    """Here somebody makes a folder in the place of one before they are moved."""
     out = tmp_path / 'out'
     out.mkdir()
     for name in WRITTEN - {'positioner_before.yaml'}:

@@ -142,11 +142,11 @@ def test_pi_integrates_and_stops_at_its_limits():
 def test_the_position_loop_holds_the_model_at_the_set_point():
     settings = check({'mode': 'position', 'levels': [0.004, 0.012, 0.0118], 'dwell': 20})
     command = make_command(settings, select_profile(settings))
-    plant = Plant(from_values({}))
+    plant = Plant(from_values({}), 0.01)
     position = []
     for tick in range(6000):
         current = command.current(tick / 100, plant.outputs().valve_position)
-        plant.advance(current, 10)
+        plant.advance(current, 1)
         position.append(plant.outputs().valve_position)
     reached = np.array(position)
     np.testing.assert_allclose(reached[[1999, 3999, 5999]], [0.004, 0.012, 0.0118], atol=1e-5)

@@ -2,16 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lines of docs/plant.md, typed as they stand, print what the page shows."""
 
-import os
 from pathlib import Path
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 
 import made_plant_export
 import made_plant_trend
+from page_line import typed
 import pytest
 from ros_process import ROOT
 
@@ -47,12 +45,7 @@ def printed(place) -> dict[str, str]:
     for line in LINES:
         if line.startswith(DIAGNOSIS):
             continue
-        command = re.sub(r'^python ', f'{shlex.quote(sys.executable)} ', line)
-        done = subprocess.run(
-            ['bash', '-c', command], cwd=place, capture_output=True, text=True, check=False,
-            timeout=300, env={**os.environ, 'PYTHONPATH': str(ROOT)})
-        assert done.returncode == 0, (line, done.stderr)
-        seen[line] = done.stdout
+        seen[line] = typed(line, place)
     return seen
 
 

@@ -3,15 +3,12 @@
 """The lines with which docs/records.md begins, typed as they stand."""
 
 import json
-import os
 from pathlib import Path
 import re
-import shlex
 import shutil
-import subprocess
-import sys
 
 import numpy as np
+from page_line import typed
 import pytest
 from ros_process import ROOT
 
@@ -21,15 +18,6 @@ PAGE = (ROOT / 'docs' / 'records.md').read_text(encoding='utf-8')
 LINES = [line for block in re.findall(r'^```\n(.*?)^```', PAGE.split('## The mapping')[0],
                                       flags=re.MULTILINE | re.DOTALL)
          for line in block.splitlines()]
-
-
-def typed(line, place) -> None:
-    """Run a line of the page in a folder, as in a shell."""
-    command = re.sub(r'^python ', f'{shlex.quote(sys.executable)} ', line)
-    done = subprocess.run(
-        ['bash', '-c', command], cwd=place, capture_output=True, text=True, check=False,
-        timeout=300, env={**os.environ, 'PYTHONPATH': str(ROOT)})
-    assert done.returncode == 0, (line, done.stderr)
 
 
 @pytest.fixture(scope='module')

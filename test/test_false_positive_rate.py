@@ -141,7 +141,7 @@ def test_the_command_calibrates_on_a_short_clean_record(tmp_path, capsys):
     """Of a chamber that is shut off, in which next to nothing can be missing."""
     declared = PositionerParameters()
     declared = declared._replace(booster=declared.booster._replace(opening_gain=0.0))
-    time = 0.1 * np.arange(300)
+    time = 0.2 * np.arange(150)
     noise = 100.0 * np.random.default_rng(5).standard_normal(len(time))
     with CsvWriter(tmp_path / 'record.csv', ('time', 'chamber_pressure')) as writer:
         writer.write_rows(np.column_stack([time, 140e3 + noise]))

@@ -12,8 +12,8 @@ from fuzz.__main__ import TARGETS, hang, run
 import pytest
 from ros_process import ROOT
 
-INPUTS = {'bag': 100, 'csv': 100, 'mapped': 100, 'mapping_file': 100, 'parameter_file': 100,
-          'plant': 300, 'preparing': 40}
+INPUTS = {'bag': 40, 'csv': 100, 'mapped': 40, 'mapping_file': 100, 'parameter_file': 100,
+          'plant': 100, 'preparing': 20}
 
 ALONE = {'bag', 'mapped'}
 """Targets whose files are read by libraries in C: what a damaged one does to their memory must not

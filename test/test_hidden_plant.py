@@ -23,7 +23,17 @@ from scipy.integrate import solve_ivp
 from booster_ros.model import catalogue
 
 STEPS = [(0.38e-3, 6.0), (0.455e-3, 7.0), (0.425e-3, 5.0), (0.37e-3, 6.0), (0.445e-3, 6.0)]
-CURRENT = np.concatenate([np.full(round(hold / SAMPLE_TIME), level) for level, hold in STEPS])
+
+
+def played(steps: list[tuple[float, float]]) -> np.ndarray:
+    """Return the currents of steps to levels (A) that are held for so long (s)."""
+    return np.concatenate([np.full(round(hold / SAMPLE_TIME), level) for level, hold in steps])
+
+
+CURRENT = played(STEPS)
+SHUT_TWICE = played([(0.38e-3, 1.0), (0.46e-3, 3.5), (0.36e-3, 4.0), (0.455e-3, 3.5)])
+CLOCK = 20.0
+"""What the clock says (s) where the stem is played about: by then what comes late has begun."""
 
 
 def column(rows: np.ndarray, name: str) -> np.ndarray:
@@ -127,15 +137,15 @@ def test_stick_slip_jumps_further_than_coulomb_friction():
 
 
 def test_a_packing_that_yields_gives_way_like_a_spring_before_it_slides():
-    settle, away = np.full(1000, 0.43e-3), np.full(500, 0.4305e-3)
+    settle, away = np.full(400, 0.43e-3), np.full(300, 0.4305e-3)
     there_and_back = np.concatenate([settle, away, settle])
 
     def way(key: str) -> tuple[float, float, float]:
         """Return the change of pressure (Pa), how far the stem goes and comes back (m)."""
         rows = run(with_effect(key, 'large'), there_and_back, 0.0)
         position, pressure = column(rows, 'valve_position'), column(rows, 'chamber_pressure')
-        return (pressure[1400] - pressure[990], position[1400] - position[990],
-                position[1400] - position[2400])
+        return (pressure[690] - pressure[390], position[690] - position[390],
+                position[690] - position[1090])
 
     pressure, there, back = way('stem_friction_yielding')
     force = 0.0796 * pressure
@@ -174,14 +184,14 @@ def test_air_lost_at_the_exhaust_seat_and_from_the_chamber_is_the_same_without_a
 @pytest.fixture(scope='module')
 def clean() -> tuple[np.ndarray, np.ndarray]:
     """Return pressure and position of the declared valve, without noise."""
-    return sensed(Sensors(), run(Valve(), CURRENT, 0.0))
+    return sensed(Sensors(), run(Valve(), SHUT_TWICE, CLOCK))
 
 
 @pytest.mark.parametrize('key', EFFECTS)
 def test_effect_shows_in_the_record(key, clean):
     effect = EFFECTS[key]
     valve, sensors = put_in(effect, effect.size('large'), Valve(), Sensors())
-    shown = sensed(sensors, run(valve, CURRENT, 0.0))
+    shown = sensed(sensors, run(valve, SHUT_TWICE, CLOCK))
     pressure, position = (np.sqrt(np.mean((a - b) ** 2)) for a, b in zip(shown, clean, strict=True))
     assert max(pressure / PRESSURE_NOISE, position / POSITION_NOISE) > 2.0
     assert (pressure == 0.0) == (effect.location == 'sensor' and 'position' in key)
@@ -254,9 +264,9 @@ def test_unseen_set_has_the_promised_mixture(monkeypatch):
 
 
 def test_program_writes_the_same_folder_for_the_same_seed(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(cases, 'FIT_SECONDS', 20.0)
-    monkeypatch.setattr(cases, 'VALIDATION_SECONDS', 10.0)
-    monkeypatch.setattr(cases, 'WARM_UP_SECONDS', 5.0)
+    monkeypatch.setattr(cases, 'FIT_SECONDS', 10.0)
+    monkeypatch.setattr(cases, 'VALIDATION_SECONDS', 5.0)
+    monkeypatch.setattr(cases, 'WARM_UP_SECONDS', 2.0)
     arguments = ['--cases', 'none', 'chamber_leak:large+stem_friction:90', '--seed', '7', '--out']
     folders = [tmp_path / 'one', tmp_path / 'two']
     for folder in folders:
@@ -277,7 +287,7 @@ def test_program_writes_the_same_folder_for_the_same_seed(tmp_path, monkeypatch,
     assert record.dtype.names == (
         'time', 'control_current', 'chamber_pressure', 'valve_position',
     )  # fmt: skip
-    assert record.size == 2000
+    assert record.size == 1000
     steps = record['chamber_pressure'] / 25.0
     assert np.array_equal(steps, np.round(steps))
 

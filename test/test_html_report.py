@@ -52,7 +52,7 @@ def test_the_plots_of_a_page_have_what_was_measured_and_the_noise(made):
 
 
 def test_a_page_of_a_long_record_with_all_channels_stays_small():
-    rows = 400_000
+    rows = 100_000
     rng = np.random.default_rng(1)
     diagnosis = nothing_found()
     runs, measured, noise, error = {}, {}, {}, {}
@@ -110,7 +110,7 @@ def test_a_page_says_what_chance_changes_where_it_does():
     effect, = found.effects
     lucky = replace(found, effects=(replace(effect, evidence=effect.evidence | {'luck': 12.5}),))
     assert 'Chance alone changes it by 12.5' in Page(html_page(lucky, FROM)).text
-    assert 'Chance alone' not in Page(html_page(found, FROM)).text
+    assert 'Chance alone' not in Page(made_page('effect')).text
 
 
 def test_the_page_shows_suspects_intervals_and_what_is_not_told_apart():
@@ -141,23 +141,24 @@ def page_of(columns):
 @pytest.fixture(scope='module')
 def page_of_timed():
     """Return the text of the page on a record that nothing is the matter with."""
-    return page_of(timed_columns())
+    return page_of(timed_columns(seconds=30.0))
 
 
 def test_a_page_says_of_a_drive_whether_it_was_measured(page_of_timed):
-    columns = timed_columns()
+    columns = timed_columns(seconds=30.0)
     assert 'Driven by the control current; compared' in page_of_timed
     supply = np.full(len(columns['time']), 400e3)
     assert 'Driven by the control current and the measured supply pressure; compared' in page_of(
         columns | {'supply_pressure': supply})
     assert 'Driven by the measured chamber pressure; compared' in page_of(swept_columns())
-    isolated = replace(nothing_found().experiment, current=np.zeros(len(supply)))
+    whole = nothing_found().experiment
+    isolated = replace(whole, current=np.zeros(len(whole.time)))
     assert 'Driven by nothing: the chamber is shut off, as declared; compared' in Page(
         html_page(replace(nothing_found(), experiment=isolated), FROM)).text
 
 
 def test_a_page_says_where_the_noise_is_from(page_of_timed):
-    columns = timed_columns()
+    columns = timed_columns(seconds=30.0)
     assert 'Noise, from the record alone: ' in page_of_timed
     late = columns | {'time': columns['time'] + 0.01 * np.random.default_rng(4).random(
         len(columns['time']))}

@@ -5,10 +5,10 @@
 from dataclasses import replace
 import re
 
-from hidden_plant import truth
+from hidden_plant import cases, truth
 from hidden_plant.cases import play
 from hidden_plant.sensors import POSITION_NOISE, PRESSURE_NOISE
-from interval_coverage import __main__ as program, valves
+from interval_coverage import __main__ as program, fits, valves
 from interval_coverage.__main__ import main
 from interval_coverage.fits import (
     Held, declared_parameters, judged, known_intervals, levels)
@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.estimation.parametrisation import put
+from booster_ros.diagnosis.hypotheses.applicable import free_to_refit
 from booster_ros.diagnosis.prepare.preparation import prepare
 from booster_ros.model.memory import Departure
 
@@ -26,8 +27,9 @@ NOISE = {'chamber_pressure': PRESSURE_NOISE, 'valve_position': POSITION_NOISE}
 
 @pytest.fixture
 def short_records(monkeypatch):
-    """Let records be shorter than those of the study."""
-    monkeypatch.setattr(valves, 'SECONDS', 50.0)
+    """Let records, and what comes before them, be shorter than those of the study."""
+    monkeypatch.setattr(valves, 'SECONDS', 30.0)
+    monkeypatch.setattr(cases, 'WARM_UP_SECONDS', 5.0)
 
 
 SLIPPING = ('stem_friction', 'stem_friction_stick_slip')
@@ -76,6 +78,7 @@ def test_the_model_with_the_friction_put_in_slips_as_far_as_the_plant_does(effec
     assert modelled(0.5) < 0.75 * played
 
 
+@pytest.mark.usefixtures('short_records')
 def test_what_is_drawn_is_drawn_anew_and_again():
     one, other = Drawn('chamber_leak', 0.9, 1), Drawn('chamber_leak', 0.9, 2)
     assert one.truth() == Drawn('chamber_leak', 0.0, 1).truth()
@@ -91,13 +94,18 @@ def test_what_is_drawn_is_drawn_anew_and_again():
 @pytest.mark.usefixtures('short_records')
 def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
     drawn = Drawn('chamber_leak', 0.0, 4)
+    truth = drawn.truth()
+    free = free_to_refit(declared_parameters(), prepare(drawn.record(), declared_parameters()))
+    assert sum((one.knob.parameter, one.element) in truth for one in free) == 11
+    few = tuple(one for one in free if one.knob.parameter in (
+        'actuator.dead_volume', 'actuator.bench_set', 'ep_converter.gain'))
+    monkeypatch.setattr(fits, 'free_to_refit', lambda *record: few)
     known = known_intervals(drawn)
     found = {one.parameter: one for one in judged(drawn, known)}
-    assert len(found) == 12
+    assert len(found) == 1 + len(few)
     assert found['actuator.leak_area'].of_effect
     assert found['actuator.leak_area'].held
     assert not found['actuator.dead_volume'].of_effect
-    truth = drawn.truth()
     monkeypatch.setattr(Drawn, 'truth', lambda _: {
         **truth, ('actuator.leak_area', None): 2.0 * truth['actuator.leak_area', None]})
     again = {one.parameter: one for one in judged(drawn, known)}
@@ -106,7 +114,8 @@ def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
 
 
 @pytest.mark.usefixtures('short_records')
-def test_a_level_is_relative_to_what_the_noise_is():
+def test_a_level_is_relative_to_what_the_noise_is(monkeypatch):
+    monkeypatch.setattr(valves, 'SECONDS', 50.0)
     assert levels(Drawn('', 0.0, 1, 'stairs')) == pytest.approx((1.0, 1.0), abs=0.1)
     assert levels(Drawn('', 0.9, 1, 'sines')) == pytest.approx((1.0, 1.0), abs=0.3)
     assert max(levels(Drawn('', 0.9, 1, 'hops'))) < 0.5  # taken as white

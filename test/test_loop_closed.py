@@ -17,16 +17,23 @@ from booster_ros.records import Record, read_record
 from booster_ros.records.csv_file import CsvWriter
 
 DECLARED = Path(__file__).parent.parent / 'config' / 'positioner.yaml'
+RATE, DWELL = 20.0, 3.0
 NOISE = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
 
 
-def recorded(path: Path, levels: list[float], *ros_arguments: str) -> Record:
-    """Return what a positioner started with these arguments does as levels are played to it."""
-    played = with_parameters(levels=levels, dwell=3.0, lockstep=True, record_csv=path)
-    with positioner_process.start(*ros_arguments), RosProcess(
-            program('fake_controller', '--ros-args', *played)) as controller:
+def recorded(path: Path, levels: list[float]) -> Record:
+    """Return what the positioner that runs does as levels are played to it."""
+    played = with_parameters(
+        levels=levels, dwell=DWELL, rate=RATE, lockstep=True, record_csv=path)
+    with RosProcess(program('fake_controller', '--ros-args', *played)) as controller:
         assert controller.wait(timeout=120.0) == 0, controller.output
     return read_record(path)
+
+
+def started(*ros_arguments: str) -> RosProcess:
+    """Start a positioner that computes coarsely: the shorter it takes."""
+    return positioner_process.start(*ros_arguments, *with_parameters(
+        publish_rate=RATE, integration_step=0.01, start_paused=True))
 
 
 def with_sensor_noise(record: Record, path: Path) -> None:
@@ -43,7 +50,10 @@ def test_a_node_started_from_the_result_does_what_the_valve_does(tmp_path):
     valve = ['--params-file', str(DECLARED), *with_parameters(
         tubing__restriction_area=5e-7, tubing__outlet_volume=4e-5, supply__pressure=4.02e5)]
     levels = [3.6e-4, 4.3e-4, 3.9e-4, 4.5e-4, 3.3e-4, 4.0e-4, 3.8e-4, 4.4e-4]
-    seen = recorded(tmp_path / 'clean.csv', levels, *valve)
+    new = [3.4e-4, 4.6e-4, 4.1e-4]
+    with started(*valve):
+        seen = recorded(tmp_path / 'clean.csv', levels)
+        truth = recorded(tmp_path / 'truth.csv', new)
     with_sensor_noise(seen, tmp_path / 'valve.csv')
 
     assert close_loop.main(['--record', str(tmp_path / 'valve.csv'), '--params', str(DECLARED),
@@ -52,10 +62,8 @@ def test_a_node_started_from_the_result_does_what_the_valve_does(tmp_path):
     report = json.loads((tmp_path / 'out' / 'report.json').read_text())
     assert [effect['name'] for effect in report['effects']] == ['tubing_restriction']
 
-    new = [3.4e-4, 4.6e-4, 4.1e-4]
-    truth = recorded(tmp_path / 'truth.csv', new, *valve)
-    model = recorded(tmp_path / 'model.csv', new,
-                     '--params-file', str(tmp_path / 'out' / 'positioner.yaml'))
+    with started('--params-file', str(tmp_path / 'out' / 'positioner.yaml')):
+        model = recorded(tmp_path / 'model.csv', new)
     for name, noise in NOISE.items():
         apart = model[name] - truth[name]  # a busy machine may lose a message
         assert np.count_nonzero(np.isnan(apart)) < 0.01 * len(apart)

@@ -8,6 +8,7 @@ from made_task import P, seen, task_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 import booster_ros.diagnosis.selection.neighbours as searched
 from booster_ros.diagnosis.selection.neighbours import (
     _far_off, _furthest, neighbours, refitted)
@@ -34,7 +35,10 @@ def test_of_steps_that_lost_their_way_screening_tells_the_order_wherever_they_en
 
 def test_around_a_refit_that_has_imitated_what_is_missing_nothing_is(monkeypatch):
     plant = P._replace(ep_converter=P.ep_converter._replace(gain_loss=0.1))
-    task = task_of(seen(plant), ('ep_gain_loss', 'chamber_leak'))
+    time = np.arange(0.0, 20.0, 0.05)
+    current = 1e-4 * np.array([3.8, 4.3, 4.0, 4.4])[(time // 5.0).astype(int)]
+    record = seen(plant, time=time, current=current)
+    task = task_of(record, ('ep_gain_loss', 'chamber_leak'), declared_freedom(P, record)[:4])
     root = refitted(task)
     places = []
     monkeypatch.setattr(searched, 'screen', lambda problem, around, name, *rest: places.append(

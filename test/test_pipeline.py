@@ -4,7 +4,7 @@
 
 from dataclasses import replace
 
-from made_task import P, steps_seen, task_of
+from made_task import P, seen, task_of
 import numpy as np
 import pytest
 
@@ -16,15 +16,21 @@ from booster_ros.diagnosis.selection.neighbours import refitted
 from booster_ros.diagnosis.selection.stepwise import Selection
 from booster_ros.records import RecordError
 
-LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2, 4.0, 4.3])
-NAMES = ('chamber_leak', 'ep_hysteresis', 'position_backlash')
+LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2])
+NAMES = ('chamber_leak', 'position_backlash')
+
+
+def steps_of(parameters, seed):
+    """Return the experiment of 30 s of steps, 5 s each, with rows 50 ms apart."""
+    time = np.arange(0.0, 5.0 * len(LEVELS), 0.05)
+    return seen(parameters, None, 1.7e5, 1e-4 * LEVELS[(time // 5.0).astype(int)], seed, time)
 
 
 @pytest.fixture(scope='module')
 def leaking():
-    """Return the diagnosis of 40 s of steps of a valve that leaks."""
+    """Return the diagnosis of 30 s of steps of a valve that leaks."""
     told = []
-    found = diagnose(steps_seen(put(P, 'actuator.leak_area', 5e-8), LEVELS, 1.7e5, 3), P,
+    found = diagnose(steps_of(put(P, 'actuator.leak_area', 5e-8), 3), P,
                      lambda phrase, share: told.append(share), ('a note',), NAMES)
     return found, told
 
@@ -65,7 +71,7 @@ def test_progress_rises_to_the_end_and_notes_are_kept(leaking):
 
 
 def test_nothing_is_added_to_a_clean_record():
-    found = diagnose(steps_seen(P, LEVELS, 1.7e5, 4), P, names=NAMES)
+    found = diagnose(steps_of(P, 4), P, names=NAMES)
     assert (found.verdict, found.effects, found.unknown) == ('none', (), None)
     assert not found.added
     assert all(step.outcome != 'accepted' for step in found.trace)
@@ -74,7 +80,7 @@ def test_nothing_is_added_to_a_clean_record():
 
 @pytest.mark.parametrize(('role', 'purpose'), [('train', 'fit'), ('test', 'judge')])
 def test_a_record_without_a_value_to_fit_or_to_judge_by_is_refused(role, purpose):
-    experiment = steps_seen(P, LEVELS, 1.7e5, 4)
+    experiment = steps_of(P, 4)
     gone = rows_of(split(experiment.time, experiment.current), role, len(experiment.time))
     empty = replace(experiment, measured={
         name: np.where(gone, np.nan, values) for name, values in experiment.measured.items()})
@@ -85,7 +91,7 @@ def test_a_record_without_a_value_to_fit_or_to_judge_by_is_refused(role, purpose
 def test_an_effect_that_the_last_fit_puts_back_to_none_is_not_found():
     """Fits that models are compared by may end early: a slower converter was once a dead time."""
     leaking = put(P, 'actuator.leak_area', 5e-8)
-    task = task_of(steps_seen(leaking, LEVELS, 1.7e5, 3), NAMES)
+    task = task_of(steps_of(leaking, 3), NAMES)
     root, leak = refitted(task), refitted(task, ('chamber_leak',))
     both = refitted(task, ('chamber_leak', 'dead_time'), leak.fit)
     selection = Selection(root, both, both, (root, leak, both), ())

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
+from positioner_here import positioner_here
 from positioner_process import Bench, report_of, start, state_of, with_parameters
 import pytest
 from rcl_interfaces.srv import SetParametersAtomically
@@ -124,14 +125,19 @@ def test_a_timetable_is_followed_anew_after_each_reset_and_can_be_changed(bench)
 
 
 @pytest.mark.parametrize(('argument', 'sentence'), [
-    ('faults.timetable:=[3', 'faults.timetable'),
     ('faults.timetable:="{fault: f99}"', 'there is no fault f99'),
     ('faults.file:=/no/such/file', '/no/such/file: cannot be read: No such file'),
 ])
-def test_a_timetable_that_is_none_ends_the_start_with_a_sentence(argument, sentence):
-    with RosProcess(program('positioner', '--ros-args', '-p', argument)) as node:
+def test_a_timetable_that_is_none_is_refused_in_a_sentence(argument, sentence):
+    with pytest.raises(ParameterError, match=sentence) as refused, positioner_here('-p', argument):
+        pass
+    assert '\n' not in str(refused.value)
+
+
+def test_a_timetable_that_rclpy_cannot_read_ends_the_start_with_a_sentence():
+    with RosProcess(program('positioner', '--ros-args', '-p', 'faults.timetable:=[3')) as node:
         assert node.wait() == 2
-        assert sentence in node.stderr[-1]
+        assert 'faults.timetable' in node.stderr[-1]
         assert 'Traceback' not in node.output
 
 

@@ -9,8 +9,9 @@ from positioner_here import positioner_here
 from positioner_process import details, report_of, start, with_parameters
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from ros_process import RosProcess, program
 from std_msgs.msg import Float64
+
+from booster_ros.model.parameters import ParameterError
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 OVERRIDE = 'qos_overrides./control_current.subscription.'
@@ -55,12 +56,10 @@ def test_they_arrive_where_the_qos_is_overridden(ros_client):
 
 @pytest.mark.parametrize('override', ['reliability:=often', 'depth:=many', 'reliability:=3'])
 def test_an_override_that_is_none_is_refused_in_a_sentence(override):
-    with RosProcess(program(
-        'positioner', '--ros-args', '-p', f'{OVERRIDE}{override}',
-    )) as node:
-        assert node.wait() == 2
-        assert len(node.stderr) == 1, node.output
-        assert node.stderr[0].startswith('positioner: qos_overrides of control_current: ')
+    with pytest.raises(ParameterError, match=r'^qos_overrides of control_current: ') as refused, \
+            positioner_here('-p', f'{OVERRIDE}{override}'):
+        pass
+    assert '\n' not in str(refused.value)
 
 
 def test_two_of_one_name_on_the_same_topics_are_told_of_each_other(ros_client):

@@ -130,35 +130,46 @@ def test_what_cannot_be_used_ends_the_start_with_one_sentence(arguments, sentenc
         assert sum(line.startswith('positioner: ') for line in node.stderr) == 1
 
 
+def parameter_file(folder, text):
+    path = folder / 'p.yaml'
+    path.write_text('/**:\n  ros__parameters:\n    ' + text.replace('\n', '\n    ') + '\n')
+    return path
+
+
 @pytest.mark.parametrize(('text', 'sentence'), [
     ('supply:\n  presure: 3e5', 'line 4: there is no parameter supply.presure; did you mean'),
     ('supply: {pressure: .nan}', 'line 3: supply.pressure must be finite'),
+])
+def test_what_is_wrong_in_a_file_is_said_with_its_line(tmp_path, text, sentence):
+    path = parameter_file(tmp_path, text)
+    with pytest.raises(ParameterError) as refused, positioner_here('--params-file', str(path)):
+        pass
+    assert str(refused.value).startswith(f'{path}, {sentence}')
+    assert '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize(('text', 'sentence'), [
     ('actuator: {bench_set: [1, 2.0]}', 'line 3: actuator.bench_set mixes types'),
     ('supply: {pressure: [}', 'line 3: not YAML'),
 ])
-def test_what_is_wrong_in_a_file_is_said_with_its_line(tmp_path, text, sentence):
-    path = tmp_path / 'p.yaml'
-    path.write_text('/**:\n  ros__parameters:\n    ' + text.replace('\n', '\n    ') + '\n')
+def test_what_rclpy_cannot_read_in_a_file_is_said_with_its_line(tmp_path, text, sentence):
+    path = parameter_file(tmp_path, text)
     with RosProcess(program('positioner', '--ros-args', '--params-file', str(path))) as node:
         assert node.wait() == 2
         assert len(node.stderr) == 1
         assert node.stderr[0].startswith(f'positioner: {path}, {sentence}')
 
 
-def test_a_parameter_file_is_used_and_what_is_in_force_is_logged(tmp_path):
+def test_a_file_is_used_and_logged_and_one_for_another_node_is_warned_about(tmp_path):
     path = tmp_path / 'p.yaml'
     path.write_text(
         '/**:\n  ros__parameters:\n    supply:\n      pressure: 410000\n'
         '    actuator: {bench_set: [140000, 290000], leak_area: 1.0e-9}\n')
-    with start('--params-file', str(path)) as node:
+    other = tmp_path / 'other.yaml'
+    other.write_text('posisioner:\n  ros__parameters:\n    supply.pressure: 420000.0\n')
+    with start('--params-file', str(path), '--params-file', str(other)) as node:
         node.wait_for(r'supply: \*pressure 410000\.0, temperature')
         node.wait_for(r'\*bench_set \[140000\.0, 290000\.0\].*\*leak_area 1e-09')
+        node.wait_for(r'other\.yaml holds nothing for /positioner \(its sections: /posisioner\)')
         assert node.interrupt() == 0
-        assert 'holds nothing' not in node.output
-
-
-def test_a_file_for_another_node_is_warned_about(tmp_path):
-    path = tmp_path / 'p.yaml'
-    path.write_text('posisioner:\n  ros__parameters:\n    supply.pressure: 410000.0\n')
-    with start('--params-file', str(path)) as node:
-        node.wait_for(r'p\.yaml holds nothing for /positioner \(its sections: /posisioner\)')
+        assert node.output.count('holds nothing') == 1

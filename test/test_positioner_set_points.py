@@ -186,14 +186,13 @@ def test_an_alarm_comes_after_the_delay_and_goes_at_once():
     assert not watch.alarm
 
 
-def test_the_fake_controller_plays_set_points_and_records_them(tmp_path):
+def test_the_fake_controller_plays_set_points_and_records_them(tmp_path, bench):
+    assert bench.set(step_ticks=1).successful
     csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
-    there = ('-r', '__ns:=/loop')
     played = with_parameters(
         mode='set_point', levels=[0.004, 0.006], dwell=1.0, lockstep='true', record_csv=csv,
         record_bag=bag)
-    with start(*there, *arguments()), RosProcess(
-            program('fake_controller', '--ros-args', *there, *played)) as node:
+    with RosProcess(program('fake_controller', '--ros-args', *played)) as node:
         assert node.wait(120.0) == 0, node.output
     record = read_record(csv)
     assert list(record.columns) == ['time', 'set_point', 'chamber_pressure', 'valve_position']

@@ -16,12 +16,20 @@ TICK = 10_000_000
 MILLION = 1_000_000
 
 
-@pytest.fixture
-def bench():
+@pytest.fixture(scope='module')
+def shared_bench():
     with start(*with_parameters(start_paused='true')) as node, RosClient() as client:
         yield Bench(client)
         assert node.interrupt() == 0, node.output
         assert 'Traceback' not in node.output
+
+
+@pytest.fixture
+def bench(shared_bench):
+    shared_bench.pause(True)
+    shared_bench.trigger('reset')
+    yield shared_bench
+    shared_bench.client.forget()
 
 
 def stamp_of(message):

@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from made_task import (
-    P, RAMPS, RAMPS_TIME, START_PRESSURE, STEPS, everywhere, seen, steps_seen)
+    CURRENT, P, RAMPS, RAMPS_TIME, START_PRESSURE, STEPS, TIME, everywhere, seen, steps_seen)
 import numpy as np
 import pytest
 
@@ -87,6 +87,12 @@ def fitted(experiment, known=()):
         experiment.time // 3.0).astype(int)))
 
 
+@pytest.fixture(scope='module')
+def as_declared():
+    """Return the fit of the declared model to a valve that is as declared."""
+    return fitted(seen(P, time=TIME[::3], current=CURRENT[::3]))
+
+
 def judged(other, last, models):
     """Return the errors of the fitted model on another experiment, with what is left open there."""
     run = other.predict(last.fit.parameters)
@@ -149,14 +155,13 @@ def test_what_a_record_has_shown_is_open_no_more():
     assert all(0.0 < error.left_open < 0.3 * error.noise for error in found.values())
 
 
-def test_draws_that_miss_what_was_fitted_are_no_models_of_it():
-    experiment = seen(P)
-    last = fitted(experiment)
+def test_draws_that_miss_what_was_fitted_are_no_models_of_it(as_declared):
+    last = as_declared
     gain = [label(free) for free in last.problem.freedoms].index('ep_converter.gain')
-    near, far = np.tile(last.fit.z, (400, 1)), np.tile(last.fit.z, (400, 1))
+    near, far = np.tile(last.fit.z, (160, 1)), np.tile(last.fit.z, (160, 1))
     far[:, gain] += 1.0  # a tolerance, 2 %, of what a record tells to parts of a thousand
     mixed = near.copy()
-    mixed[::8] = far[::8]  # every fourth is looked at
+    mixed[::8] = far[::8]
     assert len(models_alike(replace(last, draws=near))) == MODELS
     assert models_alike(replace(last, draws=far)) is None
     few = far.copy()
@@ -174,9 +179,8 @@ def test_where_nothing_is_known_of_other_models_the_errors_stay_as_they_are():
                           everywhere(experiment)) == errors(experiment, run)
 
 
-def test_no_model_is_beyond_the_bounds():
-    experiment = seen(P)
-    last = fitted(experiment)
+def test_no_model_is_beyond_the_bounds(as_declared):
+    last = as_declared
     limit = [label(free) for free in last.problem.freedoms].index('booster.max_area')
     draws = np.tile(last.fit.z, (400, 1))
     draws[:, limit] += np.where(np.arange(400) % 8 < 4, 0.0, 99.0)

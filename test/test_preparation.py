@@ -36,7 +36,7 @@ def test_where_nothing_rests_it_is_said_that_noise_may_be_larger_than_it_seems()
     said = 'what drives the valve hardly rests'
     moving = prepare(record_of(**columns), DECLARED)
     assert [note for note in moving.notes if note.startswith(said)]
-    time = np.arange(0.0, 120.0, 0.05)
+    time = np.arange(0.0, 64.0, 0.05)
     current = 1e-4 * np.array([3.6, 4.3, 3.9, 4.5])[(time // 8.0).astype(int) % 4]
     run = simulate(DECLARED, time, current, {'chamber_pressure': 250e3})
     noise = 150.0 * np.random.default_rng(1).standard_normal(len(time))
@@ -46,7 +46,7 @@ def test_where_nothing_rests_it_is_said_that_noise_may_be_larger_than_it_seems()
 
 
 def test_where_a_ripple_hides_the_colour_of_noise_the_channel_is_named():
-    time = np.arange(0.0, 120.0, 0.02)
+    time = np.arange(0.0, 64.0, 0.02)
     current = 1e-4 * np.array([3.6, 4.3, 3.9, 4.5])[(time // 8.0).astype(int) % 4]
     run = simulate(DECLARED, time, current, {'chamber_pressure': 250e3})
     generator = np.random.default_rng(1)

@@ -11,11 +11,22 @@ import pytest
 
 from booster_ros.diagnosis.estimation.fit import fit, fit_at
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.parametrisation import effect_freedom, put
+from booster_ros.diagnosis.estimation.parametrisation import (
+    declared_freedom, effect_freedom, put)
 from booster_ros.diagnosis.selection import screening
 from booster_ros.diagnosis.selection.screening import (
     first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.model.catalogue import EFFECTS, Knob
+
+
+def declared(*starts):
+    """Return the declared parameters that may change whose names start like one of these."""
+    return tuple(free for free in declared_freedom(P, seen(P))
+                 if free.knob.parameter.startswith(starts))
+
+
+FILLING = ('ep_converter.', 'actuator.bench_set', 'actuator.dead_volume')
+"""What tells where the valve rests, and how soon."""
 
 
 def test_frequencies_are_sought_in_the_fitted_rows_alone():
@@ -110,7 +121,8 @@ def test_an_effect_is_seen_from_parameters_as_given_once_what_is_told_at_rest_is
     plant = put(P, 'ep_converter.gain', 1.012 * P.ep_converter.gain)
     for name, value in {'restriction_area': 2.8e-6, 'laminar_share': 1.0}.items():
         plant = put(plant, f'tubing.{name}', value)
-    problem = problem_of(steps_seen(plant, STEPS[:8], 1.2e5, seed=5))
+    problem = problem_of(steps_seen(plant, STEPS[:6], 1.2e5, seed=5),
+                         freedoms=declared(*FILLING, 'booster.'))
     places = references(problem, fit(problem))
     before, after = (first_steps(problem, screen(problem, some, 'tubing_restriction')).cost
                      for some in (places[:2], places))
@@ -126,7 +138,8 @@ def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
             'actuator.dead_volume': 1.06 * P.actuator.dead_volume,
             'tubing.restriction_area': 5.8e-6, 'tubing.outlet_volume': 1e-5}.items():
         plant = put(plant, name, value)
-    beside = problem_of(steps_seen(plant, STEPS[:8], 1.7e5, seed=3), 'ep_hysteresis')
+    beside = problem_of(steps_seen(plant, STEPS[:8], 1.7e5, seed=3), 'ep_hysteresis',
+                        freedoms=declared(*FILLING))
     found = fit(beside, evaluations=30)
     seen_as = first_steps(beside, screen(
         beside, references(beside, found), 'tubing_restriction'))
@@ -137,7 +150,8 @@ def test_a_tube_with_little_air_before_it_is_seen_beside_a_hysteresis():
 def test_screening_ends_where_an_effect_was_simulated_to_be_not_where_it_was_reckoned():
     """The declared parameters have to move far before this exhaust is recognised."""
     problem = problem_of(steps_seen(
-        put(P, 'booster.exhaust_gain_ratio', 0.6), STEPS[:8], 1.7e5, seed=7))
+        put(P, 'booster.exhaust_gain_ratio', 0.6), STEPS[:5], 1.7e5, seed=7),
+        freedoms=declared(*FILLING, 'booster.'))
     refit = fit(problem)
     found = screen(problem, references(problem, refit), 'exhaust_asymmetry')
     costs = [cost for cost, *_ in found.starts]

@@ -73,7 +73,7 @@ def test_without_a_declared_controller_the_pressure_drives_as_before():
 
 
 def test_beside_a_current_a_set_point_is_idle_and_the_controller_is_off():
-    seen = columns()
+    seen = columns(seconds=20.0)
     seen['control_current'] = np.linspace(0.40e-3, 0.44e-3, len(seen['time']))
     loop, bare = (prepare(record_of(seen), p) for p in (DECLARED, OPEN))
     assert loop.drives == ('control_current',)
@@ -100,7 +100,7 @@ def test_slow_rows_ask_for_what_they_tell_and_say_what_they_hide():
 
 
 def test_a_slew_limit_is_found_in_rows_of_a_second():
-    experiment = prepared(apart=1.0, seconds=160.0, more=(), rate_limit_up=2.4e-3,
+    experiment = prepared(apart=1.0, seconds=100.0, more=(), rate_limit_up=2.4e-3,
                           rate_limit_down=0.8e-3)
     found = diagnose(experiment, DECLARED, names=('slew_limit',))
     assert [effect.name for effect in found.effects] == ['slew_limit']

@@ -10,6 +10,7 @@ from made_task import P, problem_of, seen, task_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
 from booster_ros.diagnosis.hypotheses.subsystem import free_upstream, is_upstream, upstream
 from booster_ros.diagnosis.selection.neighbours import BEST, neighbours, refitted
 from booster_ros.diagnosis.selection.task import lacks_nothing, upstream_task
@@ -109,7 +110,10 @@ def test_a_smoothed_stem_may_leave_more_than_noise(left, whole, said):
 def test_where_one_effect_is_all_that_is_missing_above_no_others_are_fitted_to_their_end():
     leaking = P._replace(actuator=P.actuator._replace(leak_area=4e-7))
     names = ('chamber_leak', 'ep_hysteresis', 'ep_gain_loss', 'supply_droop', 'heat_transfer')
-    above = upstream_task(task_of(waved(leaking, 0.01, 20.0), names))
+    experiment = waved(leaking, 0.02, 20.0)
+    few = tuple(free for free in declared_freedom(P, experiment)
+                if free.knob.parameter.startswith(('ep_converter.', 'actuator.')))
+    above = upstream_task(task_of(experiment, names, few))
     parent = refitted(above)
     found = neighbours(above, parent, names)
     assert found.near[0].effects == ('chamber_leak',)

@@ -5,7 +5,8 @@
 from dataclasses import replace
 
 from made_diagnosis import diagnosis_of, timed_columns
-from made_task import CURRENT, P, START_PRESSURE, TIME, seen
+import made_task
+from made_task import P, START_PRESSURE
 import numpy as np
 import pytest
 
@@ -22,12 +23,18 @@ from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
 from booster_ros.report.notes import either
 
+TIME, CURRENT = made_task.TIME[::2], made_task.CURRENT[::2]
 FROM = Provenance('valve.csv', 'positioner.yaml')
 NAMES = ('ep_converter.offset', 'booster.intake_preload', 'booster.exhaust_preload')
 NOISE = {'chamber_pressure': 5.0, 'valve_position': 1e-7}
 """As little as any channel is held to have."""
 PER_PASCAL = P.booster.s1
 """Newton by which the one preload has to rise, the other to fall, for a pascal of offset."""
+
+
+def seen(parameters):
+    """Return the experiment that a plant with these parameters would give, with its noise."""
+    return made_task.seen(parameters, time=TIME, current=CURRENT)
 
 
 @pytest.fixture(scope='module')
@@ -171,6 +178,6 @@ def test_sizes_of_which_each_may_be_none_are_said_to_be_known_together(lowest, s
 def test_the_page_says_it_below_their_intervals():
     parameters = {name: Interval(0.03, 0.0, 0.06, 'N') for name in NAMES[1:]}
     found = FoundEffect('booster_dead_band', 'booster', parameters, (), '', {})
-    page = html_page(diagnosis_of(timed_columns(), 'effect', effects=(found,)), FROM)
+    page = html_page(diagnosis_of(timed_columns(seconds=30.0), 'effect', effects=(found,)), FROM)
     added = page[page.index('What was added'):]
     assert 0 < added.index('0 to 0.0600') < added.index('each may be none, but not all')

@@ -10,6 +10,9 @@ import pytest
 
 from booster_ros.diagnosis import pipeline
 from booster_ros.diagnosis.data.blocks import rows_of, split, training_blocks
+from booster_ros.diagnosis.estimation import final_fit
+from booster_ros.diagnosis.estimation.parametrisation import declared_freedom
+from booster_ros.diagnosis.hypotheses.discrepancy import terms
 from booster_ros.diagnosis.judging.test_set import stands, without_test_set
 from booster_ros.diagnosis.result import ChannelError, errors_of
 from booster_ros.diagnosis.selection import terms as best
@@ -18,7 +21,7 @@ from booster_ros.diagnosis.selection.stepwise import Selection
 from booster_ros.model.discrepancy import KNOTS, STEM, VALVE_POSITION, Discrepancy
 
 WAVE = 300.0 * np.sin(np.linspace(0.0, 15.0, KNOTS))
-LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2, 4.0, 4.3])
+LEVELS = np.array([3.8, 4.3, 4.0, 4.4, 3.9, 4.2])
 
 
 def waving(sign=1.0):
@@ -76,10 +79,14 @@ def test_a_run_that_was_lost_on_the_way_is_no_small_error():
 @pytest.fixture(scope='module')
 def waved():
     """Return the task of a spring that waves, its declared model, and the one with a term."""
-    task = replace(task_of(waving()), places=frozenset({'stem'}))
+    experiment = waving()
+    free = tuple(one for one in declared_freedom(P, experiment)
+                 if one.knob.parameter in ('ep_converter.gain', 'actuator.bench_set'))
+    task = replace(task_of(experiment, freedoms=free), places=frozenset({'stem'}))
     root = refitted(task)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(best, 'BEST', 1)
+        patch.setattr(best, 'terms', lambda *valve: [
+            one for one in terms(*valve) if one.label == 'stem over valve_position'])
         (term,) = best.best_terms(task, root)
     return task, root, term
 
@@ -90,8 +97,9 @@ def seen_anew(experiment, model):
 
 
 @pytest.mark.parametrize('stays', [True, False])
-def test_a_term_that_the_test_set_speaks_against_is_not_in_the_model(stays, waved):
+def test_a_term_that_the_test_set_speaks_against_is_not_in_the_model(stays, waved, monkeypatch):
     """It was there as long as was looked, and the other way round when that part came."""
+    monkeypatch.setattr(final_fit, 'ROUNDS', 1)  # how exactly a valley is fitted does not matter
     task, root, term = waved
     if not stays:
         other = waving(-1.0).measured

@@ -34,6 +34,15 @@ def record(values=(), seconds=120.0, seed=0):
     return moving_valve(values, seconds, RATE, 5.0, seed)
 
 
+def feed(twin, rows, begin=0.0):
+    """Feed a twin with rows from `begin` s on, a second of them at a time."""
+    for k, stamp in enumerate(rows['time'].tolist()):
+        for name in ('control_current', 'chamber_pressure', 'valve_position'):
+            twin.add(name, begin + stamp, float(rows[name][k]))
+        if k % 10 == 9:
+            twin.update()
+
+
 def left_rms(rows, pieces=4):
     predictor = Predictor(from_values({}), frozenset(rows) - {'time'})
     left = {'chamber_pressure': [], 'valve_position': []}
@@ -159,7 +168,7 @@ def test_the_evidence_of_a_healthy_valve_is_one_on_average():
 @pytest.mark.parametrize('law', ['heavy tails', 'coloured'])
 def test_false_alarms_keep_to_the_promised_rate_and_are_not_rare_for_want_of_power(law):
     """A detector whose p-values or bets were wrong would give many more, or none."""
-    mean, length, valves = 20.0, 1500, 40
+    mean, length, valves = 20.0, 600, 15
     alarms = 0
     for seed in range(valves):
         random = np.random.default_rng(seed)
@@ -275,12 +284,8 @@ def test_blocks_have_their_length_however_seldom_samples_are_used(portion):
 
 
 def test_blocks_that_have_too_few_rows_to_be_judged_are_said():
-    rows = record(seconds=20.0)
     twin = Twin(from_values({}), Settings(block=1.0, learning=1e6))
-    for k in range(len(rows['time'])):
-        for name in ('control_current', 'chamber_pressure', 'valve_position'):
-            twin.add(name, float(rows['time'][k]), float(rows[name][k]))
-    twin.update()
+    feed(twin, record(seconds=20.0))
     assert twin.health.status == 'function check'
     assert twin.health.reason == ('10 rows have come in a block of 1 s, and 16 are needed: the '
                                   'parameter block has to be larger')
@@ -306,11 +311,7 @@ def test_samples_of_a_control_system_a_second_apart_are_predicted_from_one_to_th
 def test_a_fault_that_moves_the_valve_to_where_it_never_was_is_seen_where_it_is_born():
     twin = Twin(from_values({}), Settings(block=2.0, learning=160.0, false_alarms=1e3))
     for begin, values in ((0.0, {}), (200.0, {'ep_converter.gain_loss': 0.25})):
-        rows = record(values, seconds=200.0)
-        for k, stamp in enumerate(rows['time'].tolist()):
-            for name in ('control_current', 'chamber_pressure', 'valve_position'):
-                twin.add(name, begin + stamp, float(rows[name][k]))
-            twin.update()
+        feed(twin, record(values, seconds=200.0), begin)
         assert bool(twin.latched) == bool(values)
     first = min(twin.latched, key=lambda alarm: alarm.time)
     assert first.channel == 'chamber_pressure'
@@ -324,10 +325,7 @@ def test_where_no_alarm_can_be_given_the_valve_is_not_called_good_all_the_same()
             moving_valve(limited, 100.0, RATE, 5.0, 1, 0.45e-3, 0.46e-3)]
     twin, told = Twin(from_values({}), Settings(block=2.0, learning=160.0)), []
     for begin, columns in zip((0.0, 200.0), rows):
-        for k, stamp in enumerate(columns['time'].tolist()):
-            for name in ('control_current', 'chamber_pressure', 'valve_position'):
-                twin.add(name, begin + stamp, float(columns[name][k]))
-            twin.update()
+        feed(twin, columns, begin)
         told.append(twin.health)
     assert told[0].status != 'out of specification', told[0]
     assert not twin.latched
@@ -335,10 +333,7 @@ def test_where_no_alarm_can_be_given_the_valve_is_not_called_good_all_the_same()
     assert 'the model misses valve_position by' in told[1].reason
     again = Twin(from_values({}), Settings(block=2.0, learning=160.0))
     again.recall(twin.calibration())
-    for k, stamp in enumerate(rows[1]['time'][:600].tolist()):
-        for name in ('control_current', 'chamber_pressure', 'valve_position'):
-            again.add(name, stamp, float(rows[1][name][k]))
-        again.update()
+    feed(again, {name: values[:600] for name, values in rows[1].items()})
     assert again.health == told[1]._replace(reason=again.health.reason)
 
 

@@ -36,8 +36,8 @@ from booster_ros.twin.verdict import Verdict
 RATE = 20.0
 LEAK = 1e-7
 HEALTHY = from_values({})
-NOISE = {'publish_rate': RATE, 'measurement.pressure_noise': 150.0,
-         'measurement.position_noise': 8e-6}
+NOISE = {'publish_rate': RATE, 'integration_step': 0.01,
+         'measurement.pressure_noise': 150.0, 'measurement.position_noise': 8e-6}
 SETTINGS = {'block': 1.0, 'learning': 60.0, 'false_alarms': 1e5, 'drift': 5e-4,
             'history': 20.0, 'trial': 15.0, 'hypotheses': 'chamber_leak',
             'diagnosis_timeout': 110.0}
@@ -91,7 +91,7 @@ class Bench:
             assert time.monotonic() < end
             self.valve.turn()
             self.twin.turn()
-            time.sleep(0.01)
+            time.sleep(0.05)
 
     @property
     def verdict(self) -> dict[str, str]:
@@ -107,7 +107,7 @@ def test_from_healthy_to_a_leak_that_is_adopted_and_known_after_a_restart(tmp_pa
         assert bench.ask('adopt').message == (
             'no diagnosis has found anything that could be adopted')
         assert bench.ask('diagnose').message == '0 rows have come, 100 are needed'
-        bench.move(160.0)
+        bench.move(80.0)
         assert bench.twin.twin.health.status == 'good', bench.twin.twin.health
         changed = bench.twin.twin.history.end
         valve.set({'actuator.leak_area': LEAK})
@@ -162,7 +162,7 @@ def test_a_model_that_predicts_worse_is_rolled_back_and_said(tmp_path):
         def leak_of_the_other() -> float:
             return other.get_parameter('actuator.leak_area').value
 
-        bench.move(20.0)
+        bench.move(10.0)
         assert bench.ask('adopt').success
         assert bench.twin.twin.parameters.actuator.leak_area == LEAK
         bench.wait_for(lambda: leak_of_the_other() == LEAK)
@@ -184,7 +184,7 @@ def test_the_example_that_watches_adopts_what_is_confirmed(tmp_path, monkeypatch
     save(memory, HEALTHY, Memory(verdict=verdict_in(tmp_path / 'report', leak_area=LEAK)))
     with Valve(NOISE) as valve:
         bench = Bench(valve, memory=str(memory))
-        bench.move(20.0)
+        bench.move(10.0)
         watch = TwinWatch(context=valve.context)
         valve._executor.add_node(watch)
         bench.wait_for(lambda: bench.verdict['adoption'] == 'on trial')
@@ -196,7 +196,7 @@ def test_an_end_during_the_trial_rolls_back(tmp_path):
     save(memory, HEALTHY, Memory(verdict=verdict_in(tmp_path / 'report', leak_area=LEAK)))
     with Valve(NOISE) as valve:
         bench = Bench(valve, memory=str(memory), trial=60.0)
-        bench.move(20.0)
+        bench.move(10.0)
         assert bench.ask('adopt').success
         bench.move(5.0)
     with Valve(NOISE) as valve:
