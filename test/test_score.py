@@ -9,8 +9,8 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import multivariate_normal
 
-from booster_ros.diagnosis.estimation.dispersion import dispersion
 from booster_ros.diagnosis.selection.score import score_of
+from booster_ros.signals.dispersion import dispersion
 
 ROWS, BLOCKS = 120, 6
 DEVIATION = np.array([1.0, 3.0, 0.2])

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array, Chance, Experiment
-from booster_ros.diagnosis.estimation.dispersion import autocorrelation_time
 from booster_ros.diagnosis.prepare.timing import drawn_runs
 from booster_ros.model.position_controller import FINEST, PULSES
 from booster_ros.model.system import PositionerParameters
+from booster_ros.signals.dispersion import autocorrelation_time
 
 
 def with_noise_of_feedback(experiment: Experiment, declared: PositionerParameters) -> Experiment:

@@ -22,10 +22,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import FEWEST, Array
-from booster_ros.diagnosis.estimation.dispersion import dispersion
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import DIFFERENCE, Problem
+from booster_ros.signals.dispersion import dispersion
 
 LARGE = 9.0
 """Square of a residual, or mean of these, in squares of the noise, from which on it is large."""

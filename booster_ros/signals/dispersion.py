@@ -6,7 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import FEWEST, Array
+Array = np.ndarray
+
+FEWEST = 12
+"""Number of values of which an autocorrelation is told: of fewer, pairs of lags are chance."""
 
 
 def dispersion(series: Sequence[Array]) -> float:
