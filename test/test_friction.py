@@ -1,13 +1,13 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where fits of dry friction begin: the best of a grid."""
-
+"""Where fits of dry friction begin: the best of a population that begins on a grid."""
 
 from made_effect import add_effect
 from made_task import P, RAMPS, RAMPS_TIME, place_of, problem_of, seen, z_of
+import numpy as np
 import pytest
 
-from booster_ros.diagnosis.hypotheses.friction import friction_starts
+from booster_ros.diagnosis.hypotheses.friction import bounded_cost, friction_starts
 from booster_ros.model.catalogue import Knob
 
 TIME, CURRENT = RAMPS_TIME[:900], RAMPS[:900]
@@ -36,6 +36,15 @@ def test_a_start_is_near_the_friction_that_was_put_in(sliding, values, damping):
     first = problem.parameters(starts[0]).actuator
     yielding = round(first.presliding_damping, 6) if first.presliding_stiffness else 0.0
     assert yielding in damping
+
+
+def test_one_slip_in_another_window_counts_for_little_beside_all_others():
+    many = np.full(100, 2.0)
+    slip = np.append(many[1:], -300.0)
+    assert bounded_cost(slip) < 2.0 * bounded_cost(many) < 0.1 * slip[-1]**2
+    # what is further off still counts for more, and what is noise for what it is
+    assert bounded_cost(1.1 * slip) > bounded_cost(slip)
+    assert bounded_cost(0.1 * many) == pytest.approx(np.sum((0.1 * many)**2), rel=0.01)
 
 
 def test_all_but_friction_stays_as_it_is_and_the_start_as_given():
