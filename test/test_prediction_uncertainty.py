@@ -155,15 +155,21 @@ def test_what_a_record_has_shown_is_open_no_more():
     assert all(0.0 < error.left_open < 0.3 * error.noise for error in found.values())
 
 
-def test_draws_that_miss_what_was_fitted_are_no_models_of_it(as_declared):
-    last = as_declared
+def test_draws_that_miss_what_was_fitted_are_no_models_of_it(as_declared, monkeypatch):
+    last, runs, cost = as_declared, [], Problem.cost
+    monkeypatch.setattr(Problem, 'cost', lambda self, z: runs.append(z) or cost(self, z))
     gain = [label(free) for free in last.problem.freedoms].index('ep_converter.gain')
     near, far = np.tile(last.fit.z, (160, 1)), np.tile(last.fit.z, (160, 1))
     far[:, gain] += 1.0  # a tolerance, 2 %, of what a record tells to parts of a thousand
     mixed = near.copy()
     mixed[::8] = far[::8]
     assert len(models_alike(replace(last, draws=near))) == MODELS
+    runs.clear()
     assert models_alike(replace(last, draws=far)) is None
+    assert len(runs) == 2 * MODELS  # where none of so many suits, too few of all will
+    seldom = far.copy()
+    seldom[::10] = last.fit.z
+    assert len(models_alike(replace(last, draws=seldom))) == 16
     few = far.copy()
     few[:4 * (FEWEST - 1):4] = last.fit.z
     assert models_alike(replace(last, draws=few)) is None

@@ -46,7 +46,7 @@ def models_alike(last: FinalFit) -> tuple[Started, ...] | None:
         some = drawn[k:k + MODELS]
         found += [z for z, left in zip(some, side_by_side(problem.cost, some))
                   if left <= fit.cost + BY_CHANCE * len(fit.z)]
-        if len(found) >= MODELS:
+        if len(found) >= MODELS or len(found) * len(drawn) < FEWEST * k:  # FEWEST will not come
             break
     if len(found) < FEWEST:
         return None
