@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The final estimate: sizes that no row shows go back to none, all else goes to its end."""
 
+from types import SimpleNamespace
+
 from made_record import flow_bench
 from made_task import P, TIME, place_of, problem_of, seen, z_of
 import numpy as np
 import pytest
 
+from booster_ros.diagnosis.estimation import final_fit as last_fit
 from booster_ros.diagnosis.estimation.final_fit import final_fit, without_unseen
 from booster_ros.diagnosis.estimation.fit import fit_at
 from booster_ros.diagnosis.estimation.parametrisation import put
@@ -34,6 +37,30 @@ def test_what_is_seen_stays_and_its_slopes_with_it():
     problem = problem_of(seen(put(P, 'actuator.leak_area', 3e-8)), 'chamber_leak', freedoms=())
     fit = fit_at(problem, z_of(problem, {'actuator.leak_area': 3e-8}))
     assert without_unseen(problem, fit) is fit
+
+
+@pytest.mark.parametrize(('costs', 'left', 'begun'), [
+    ((500.0, 100.0, 99.0, 10.0), 99.0, 3),  # the last gained too little to go on
+    ((500.0, 600.0, 10.0), 500.0, 2),
+    ((500.0, 400.0, 300.0, 200.0, 100.0), 200.0, 4)])
+def test_a_descent_over_slips_is_begun_anew_while_that_pays(costs, left, begun, monkeypatch):
+    problem = problem_of(seen(P), 'stem_friction', freedoms=())
+    ends, starts = iter(costs), []
+
+    def descended(_, several):
+        starts.append([one.copy() for one in several])
+        return SimpleNamespace(cost=next(ends), z=np.full(len(several[0]), len(starts)))
+
+    monkeypatch.setattr(last_fit, 'fit', descended)
+    z = np.full(len(problem.start()), 0.5)
+    assert last_fit._over_slips(problem, z).cost == left
+    assert len(starts) == begun
+    assert starts[1][0][0] == 1  # where the first ended
+    first, as_given = starts[0]
+    size = len(problem.freedoms)
+    assert np.array_equal(first, z)
+    assert np.array_equal(as_given[:size], z[:size])
+    assert not as_given[size:].any()
 
 
 @pytest.mark.parametrize('leak', [0.0, 4e-8])

@@ -36,9 +36,6 @@ DAMPINGS = (0.0, 0.3, 0.6)
 """Damping of a packing that is tried, as shares of the critical one, 0 for one that does not yield:
 damping and viscous friction trade."""
 
-RANGE = ((50.0, 1800.0), (0.0, 1.0))
-"""Where sliding friction, N, and stiction, as a share of it, are sought."""
-
 POPULATION, GENERATIONS, MUTATION = 40, 10, (0.3, 0.8)
 """Trials that go on from the grid, how often, and their steps as shares of their distances: 24
 trials missed the deepest minimum of a record in five of six searches, 40 found it in both."""
@@ -83,9 +80,9 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
     grid = np.array([(np.log(force), share, k) for force in SLIDING for share in BREAKING_AWAY
                      for k in range(len(dampings))])
     first = np.argsort(side_by_side(cost, grid), kind='stable')[:POPULATION]
-    forces, shares = RANGE
+    ends = np.log([0.7 * SLIDING[0], 1.4 * SLIDING[-1]])
     found = differential_evolution(
-        cost, [np.log(forces), shares, (0, len(dampings) - 1)], init=grid[first],
+        cost, [ends, (0.0, 1.0), (0, len(dampings) - 1)], init=grid[first],
         maxiter=GENERATIONS, mutation=MUTATION, tol=0.0, polish=False, updating='deferred', seed=1,
         workers=lambda one, trials: side_by_side(one, list(trials)),
         integrality=(False, False, True))
