@@ -22,7 +22,7 @@ MAY_IMPORT = {
     'diagnosis/estimation': {'model', 'diagnosis/data'},
     'diagnosis/hypotheses': {'model', 'records', 'diagnosis/data', 'diagnosis/estimation'},
     'diagnosis/prepare': {'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation'},
-    'diagnosis/selection': {'model', 'diagnosis/data', 'diagnosis/estimation',
+    'diagnosis/selection': {'model', 'signals', 'diagnosis/data', 'diagnosis/estimation',
                             'diagnosis/hypotheses'},
     'diagnosis/judging': {
         'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation',

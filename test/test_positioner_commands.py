@@ -29,7 +29,8 @@ def test_a_black_box_and_the_valve_alternate_without_a_handshake(ros_client):
         for _ in range(10):
             ros_client.spin_once()
         assert len(positions) == 101  # nobody commands, nothing moves
-        assert states == []
+        # that of the last tick may still come; those of others would be of other times
+        assert {round(100 * state_of(m)['time']) for m in states} <= {100}
         assert max(positions) > 1e-4
         assert node.interrupt() == 0, node.output
 
