@@ -25,13 +25,13 @@ def envelope(x: Array, y: Array, most: int = MOST) -> tuple[Array, Array]:
     if size <= most:
         return x, y
     edges = np.linspace(0, size, most // 4 + 1).astype(int)
-    rows: list[int] = []
-    for first, last in pairwise(edges):
-        part = y[first:last]
-        if np.isfinite(part).any():
-            rows += sorted({first + int(np.nanargmin(part)), first + int(np.nanargmax(part))})
-        else:
-            rows.append(int(first))
+    first = edges[:-1, None]
+    at = first + np.arange(np.max(np.diff(edges)))
+    part = y[np.minimum(at, size - 1)]
+    within = (at < edges[1:, None]) & np.isfinite(part)
+    ends = [np.argmin(np.where(within, part, np.inf), axis=1),
+            np.argmax(np.where(within, part, -np.inf), axis=1)]
+    rows = np.unique(first + np.transpose(ends))
     return x[rows], y[rows]
 
 
