@@ -63,6 +63,17 @@ def test_a_descent_over_slips_is_begun_anew_while_that_pays(costs, left, begun, 
     assert not as_given[size:].any()
 
 
+@pytest.mark.parametrize('effect', ['chamber_leak', 'stem_friction'])
+def test_intervals_are_by_slopes_along_the_axes_of_a_valley_be_it_over_slips_or_not(
+        effect, monkeypatch):
+    problem = problem_of(seen(P), effect, freedoms=())
+    monkeypatch.setattr(last_fit, 'fit', lambda one, starts, **_: fit_at(one, starts[0]))
+    monkeypatch.setattr(last_fit, 'slopes_along_axes', lambda one, z, here, columns: 2.0 * columns)
+    begin = problem.start()
+    last = final_fit(problem, begin, (TIME // 3.0).astype(int))
+    assert last.fit.jacobian == pytest.approx(2.0 * fit_at(problem, begin).jacobian)
+
+
 @pytest.mark.parametrize('leak', [0.0, 4e-8])
 def test_a_final_fit_says_how_sure_a_leak_is(leak):
     problem = problem_of(seen(put(P, 'actuator.leak_area', leak)), 'chamber_leak', freedoms=())

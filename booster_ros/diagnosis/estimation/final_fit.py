@@ -43,10 +43,10 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
     if not problem.observation.summary:
         other = nominal(problem, begin)
         starts = [begin, other] if np.any(other[:len(problem.freedoms)]) else [begin]
-        found = at_the_bottom(problem, fit(problem, starts, tolerance=SETTLED))
+        found = fit(problem, starts, tolerance=SETTLED)
     else:
         found = _over_slips(problem, begin)
-    found = without_unseen(problem, found)
+    found = without_unseen(problem, at_the_bottom(problem, found))
     return FinalFit(problem, found, block_bootstrap(problem, found, block_of_row))
 
 
