@@ -38,7 +38,7 @@ damping and viscous friction trade."""
 
 POPULATION, GENERATIONS, MUTATION = 40, 10, (0.3, 0.8)
 """Trials that go on from the grid, how often, and their steps as shares of their distances: 24
-trials missed the deepest minimum of a record in five of six searches, 40 found it in both."""
+trials missed the deepest minimum of a record in six of six searches, 40 in one of four."""
 
 UNLIKELY = 5.0
 """Standard deviations beyond which a statistic tells of a slip more or less, not of noise."""
