@@ -3,10 +3,10 @@
 """
 Where fits of dry friction begin: the best of a population that begins on a grid.
 
-The statistics of windows have many minima over friction, in a valley along which one more newton
-of stiction does what one less of sliding friction does, and the deepest is a percent wide. So
-both are tried over a grid, for a packing that yields and for one that does not, and the best of it
-go on by differential evolution, which follows such a valley; each trial takes one run of the model.
+The statistics of windows have many minima over friction, in a valley along which stiction makes up
+for sliding friction, and the deepest is less than a percent wide. So both are tried over a grid,
+for a packing that yields and for one that does not, and the best of it go on by differential
+evolution, which follows such a valley; each trial takes one run of the model.
 
 Stick-slip of a slowly driven mass: B. Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
 Differential evolution: R. Storn and K. Price, Journal of Global Optimization 11 (1997) 341.
