@@ -30,7 +30,7 @@ CLOSED = CLOSED._replace(booster=CLOSED.booster._replace(opening_gain=0.0))
 
 
 def write_plant(folder):
-    """Write a plant of a valve that lacks nothing, one that does, and one without a record."""
+    """Write a plant of a valve that lacks nothing, one that does, no record, and a torn one."""
     write_parameter_file(folder / 'closed.yaml', CLOSED)
     clock = 0.3 * np.arange(100)
     for name, area in (('none', 0.0), ('leak', 4e-8)):
@@ -39,9 +39,11 @@ def write_plant(folder):
         noise = 100.0 * np.random.default_rng(5).standard_normal(100)
         with CsvWriter(folder / f'{name}.csv', ('time', 'chamber_pressure')) as writer:
             writer.write_rows(np.column_stack([clock, run['chamber_pressure'] + noise]))
+    (folder / 'torn.csv').write_text(
+        'time,control_current,chamber_pressure\n0,0.004,1e5\n1,x,1\n')
     (folder / 'plant.csv').write_text(
         'valve,record,parameters\nFV-1,gone.csv,closed.yaml\nFV-2,none.csv,closed.yaml\n'
-        'FV-3,leak.csv,closed.yaml\n')
+        'FV-3,leak.csv,closed.yaml\nFV-4,torn.csv,closed.yaml\n')
     return folder / 'plant.csv'
 
 
@@ -77,12 +79,13 @@ def test_one_bad_record_does_not_stop_the_rest(plant):
     _, out, said = plant
     table = table_of(out)
     assert table['status'].to_dict() == {
-        'FV-3': 'maintenance', 'FV-1': 'check', 'FV-2': 'good'}
+        'FV-3': 'maintenance', 'FV-1': 'check', 'FV-4': 'check', 'FV-2': 'good'}
     assert table.loc['FV-3', 'effects'] == 'chamber_leak'
     assert table.loc['FV-3', 'discovery']
+    assert "row 3, column control_current: 'x' is not a number" in table.loc['FV-4', 'message']
     assert table.loc['FV-1', 'message'] == 'gone.csv: No such file or directory'
     assert (out / table.loc['FV-2', 'report']).is_file()
-    assert re.search(r'3/3 FV-\d: .*; 0 min to go', said)
+    assert re.search(r'4/4 FV-\d: .*; 0 min to go', said)
     assert (out / 'fleet.html').is_file()
 
 
@@ -90,10 +93,10 @@ def test_only_what_has_changed_is_diagnosed_again(plant):
     manifest, out, _ = plant
     before = {name: (out / 'valves' / name / 'report.json').stat().st_mtime_ns
               for name in ('FV-2', 'FV-3')}
-    (manifest.parent / 'gone.csv').write_text('time,control_current\n')
+    (manifest.parent / 'torn.csv').write_text('time,control_current\n')
     said = fleet(manifest, out, '--jobs', '1')
-    assert '2 of 3 valves have been diagnosed before' in said
-    assert 'no rows of data' in table_of(out).loc['FV-1', 'message']
+    assert '3 of 4 valves have been diagnosed before' in said
+    assert 'no rows of data' in table_of(out).loc['FV-4', 'message']
     assert before == {name: (out / 'valves' / name / 'report.json').stat().st_mtime_ns
                       for name in before}
 
@@ -102,14 +105,14 @@ def test_a_scheduler_with_two_workers_gives_the_same_to_the_last_digit(plant, tm
     manifest, out, _ = plant
     lines = manifest.read_text().splitlines(keepends=True)
     two = manifest.with_name('two.csv')
-    two.write_text(''.join(line for line in lines if 'FV-2' not in line))
+    two.write_text(''.join(line for line in lines if 'FV-2' not in line and 'FV-4' not in line))
     with scheduler(tmp_path, 2) as address:
         fleet(two, tmp_path / 'out', '--scheduler', address)
     for name in ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml'):
         one, other = (folder / 'valves' / 'FV-3' / name for folder in (out, tmp_path / 'out'))
         assert one.read_bytes() == other.read_bytes()
     columns = ['seconds', 'cpu_seconds', 'message']
-    pd.testing.assert_frame_equal(table_of(out).drop('FV-2').drop(columns=columns),
+    pd.testing.assert_frame_equal(table_of(out).drop(['FV-2', 'FV-4']).drop(columns=columns),
                                   table_of(tmp_path / 'out').drop(columns=columns))
 
 
@@ -132,7 +135,7 @@ def test_an_interrupted_fleet_ends_what_it_started_and_keeps_what_ended(tmp_path
     running = subprocess.Popen(command(manifest, out, '--jobs', '1'), env=PLAIN,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                start_new_session=True)
-    assert running.stdout.readline().startswith('1/3')
+    assert running.stdout.readline().startswith('1/4')
     end = time.monotonic() + PATIENCE
     while not still_run(out / 'valves'):  # the next one
         assert time.monotonic() < end
@@ -143,5 +146,5 @@ def test_an_interrupted_fleet_ends_what_it_started_and_keeps_what_ended(tmp_path
     assert said == 'fleet: interrupted; the same command goes on from here\n'
     assert not still_run(out)
     ended = len(table_of(out))
-    assert 1 <= ended < 3
+    assert 1 <= ended < 4
     assert len((out / 'valves.jsonl').read_text().splitlines()) == ended

@@ -170,6 +170,7 @@ def test_terms_that_do_as_well_are_said():
     rivalled = replace(found, effects=(effect,))
     said = 'A term in supply over time explains this record as well.'
     assert said in verdict_sentences(rivalled)
+    assert said in html_page(rivalled, FROM)
 
 
 def test_a_declared_term_that_gave_way_to_another_is_named():

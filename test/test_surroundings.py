@@ -143,9 +143,10 @@ def test_a_file_that_is_opened_does_not_become_a_closed_stream(tmp_path: Path):
     assert path.read_text() == 'written'
 
 
-def test_a_choice_of_windows_for_figures_does_not_matter():
+@pytest.mark.parametrize('name', ['close_loop', 'paper'])
+def test_a_choice_of_windows_for_figures_does_not_matter(name: str):
     done = subprocess.run(
-        [sys.executable, '-m', 'booster_ros', 'paper', '--help'], capture_output=True, text=True,
+        [sys.executable, '-m', 'booster_ros', name, '--help'], capture_output=True, text=True,
         cwd=ROOT, env=environment(MPLBACKEND='nonesuch'), timeout=300, check=False)
     assert (done.returncode, done.stderr) == (0, '')
 
@@ -159,6 +160,7 @@ def test_names_are_shown_on_one_line_and_obeyed_by_no_terminal():
 
 @pytest.mark.parametrize('arguments', [
     ('simulate', '--params', 'a\n\x1b[2J', '--input', 'i', '--out', 'o'),
+    ('close_loop', '--record', 'r', '--params', 'a\n\x1b[2J', '--out', 'o'),
     ('\x1b[2J\n',),
 ])
 def test_a_sentence_stays_one_whatever_a_file_is_called(arguments: tuple[str, ...]):
