@@ -94,6 +94,18 @@ def test_damaged_machine_code_is_made_anew(tmp_path: Path, monkeypatch, kind: st
     assert called(tmp_path, monkeypatch) == (42.0, 1)
 
 
+def test_python_calls_one_function_of_the_compiled_model_and_is_refused_the_others():
+    """They have no machine code of their own: a call would run whatever is at address 0."""
+    modules = compiled.compiled_modules()
+    if modules is None:
+        pytest.skip('numba is not installed')
+    with pytest.raises(TypeError, match='only into what calls it'):
+        modules['gas']['flow_function'](0.5)
+    kept = compiled.cache_folder()
+    assert kept is not None
+    assert {path.name.partition('-')[0] for path in kept.rglob('*.nbi')} == {'kernel.run'}
+
+
 def private_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder for machine code below a private one, and use that from now on."""
     if not compiled.available():

@@ -140,7 +140,12 @@ def stick_slip_peer(integrate: Integrator) -> Callable[[Case, float], np.ndarray
     """
     modules = compiled_modules()
     assert modules is not None
-    machine = modules['system']['derivatives']
+    derivatives = modules['system']['derivatives']
+
+    @numba.njit(error_model='numpy')
+    def machine(p, time, current, direction, y, out):  # type: ignore[no-untyped-def]
+        derivatives(p, time, current, direction, y, out)
+
     state, rate = np.zeros(STATES), np.zeros(STATES)
 
     def rates(

@@ -5,6 +5,7 @@ Machine code from the very functions that plain Python runs.
 
 The modules of the model are read in the order in which they build on each other; every function
 is compiled by numba with the compiled versions of what it calls in place of the Python ones.
+Python calls `kernel.run` alone, so all others are only linked into what calls them.
 There is no second copy of an equation. Without numba, `compiled_run` returns None.
 """
 
@@ -19,7 +20,7 @@ import sys
 import types
 from typing import Any
 
-from . import code_cache
+from . import code_cache, linking
 
 _MODULES = ('gas', 'ep_converter', 'booster', 'supply', 'tubing', 'actuator', 'chamber', 'sensors',
             'discrepancy', 'position_controller', 'control_law', 'state', 'present_term', 'system',
@@ -32,6 +33,7 @@ _INLINED = frozenset(_MODULES) - {
     'workspace', 'rodas3', 'solver', 'kernel', 'position_controller', 'control_law', 'closed_loop'}
 _PYTHON = f'py{sys.version_info.major}{sys.version_info.minor}'
 _PLAIN = {'new_workspace', 'balance_position'}
+_CALLED = ('kernel', 'run')
 
 
 def available() -> bool:
@@ -54,7 +56,7 @@ def cache_place() -> code_cache.Place:
     here = Path(__file__).parent
     processor = cpu_target.target_context.codegen().magic_tuple()
     digest = hashlib.sha256(f'{here} {numba.__version__} {processor}'.encode())
-    for name in ('compiled', 'code_cache', *_MODULES):
+    for name in ('compiled', 'code_cache', 'linking', *_MODULES):
         digest.update((here / f'{name}.py').read_bytes())
     return code_cache.place(digest.hexdigest()[:16])
 
@@ -79,9 +81,10 @@ def compiled_run() -> Callable[..., None] | None:
 @functools.cache
 def compiled_modules() -> dict[str, dict[str, Any]] | None:
     """
-    Return the namespace of each module of the model, with its functions as machine code.
+    Return the namespace of each module of the model, with its functions for compiled code to call.
 
-    A function is compiled at its first call. None without numba.
+    A function is compiled where one that calls it is. Python can call `kernel.run` alone, for the
+    others raise TypeError. None without numba.
     """
     if not available():
         return None
@@ -116,10 +119,15 @@ def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, A
             twin = types.FunctionType(code, names, key, value.__defaults__)
             twin.__module__ = module.__name__
             twin.__qualname__ = value.__qualname__
-            names[key] = njit(nogil=True, cache=cache, error_model='numpy',
-                              forceinline=name in _INLINED)(twin)
-            if cache:
-                code_cache.keep_sealed(names[key])
+            if (name, key) == _CALLED:
+                names[key] = njit(nogil=True, cache=cache, error_model='numpy')(twin)
+                if cache:
+                    code_cache.keep_sealed(names[key])
+            else:
+                names[key] = linking.only_linked(njit(
+                    nogil=True, error_model='numpy', forceinline=name in _INLINED,
+                    pipeline_class=linking.pipeline(), no_cpython_wrapper=True,
+                    no_cfunc_wrapper=True)(twin))
             replaced[_identity(value)] = names[key]
         namespaces[name] = names
     return namespaces
