@@ -112,6 +112,21 @@ def test_a_stem_that_sticks_starts_where_it_was_read_but_on_a_stop(pressure, pos
     assert started(-8e-6) == (pytest.approx(position - 8e-6) if kept else None)
 
 
+@pytest.mark.parametrize('noise', [-200.0, 0.0, 200.0])
+def test_a_stem_at_the_edge_of_breaking_away_is_held_as_it_was_seen(noise):
+    """A pressure some pascals off would set it off at once, which no slope could take back."""
+    plant = P._replace(actuator=P.actuator._replace(coulomb_friction=350.0, stiction=120.0))
+    act = plant.actuator
+    rate = act.effective_area * (act.bench_set[1] - act.bench_set[0]) / act.travel
+    edge = act.bench_set[0] + (rate * 5e-3 + 470.0) / act.effective_area
+    still = replace(seen(plant), current=np.full(len(TIME), 4e-4), initial=Initial(
+        edge + noise, valve_position=5e-3))
+    problem = Problem(still, everywhere(still), plant, ())
+    start = problem.initial(problem.start(), plant).valve_position
+    beyond = max(noise, 0.0) * act.effective_area / rate  # where friction holds it next
+    assert start == pytest.approx(5e-3 + beyond, abs=1e-8)
+
+
 def test_what_linear_algebra_rounds_is_no_other_slip():
     """Runs of the same diagnosis end in the same place, whatever else the machine does."""
     plant = P._replace(actuator=P.actuator._replace(coulomb_friction=380.0, stiction=130.0))

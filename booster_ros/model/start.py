@@ -124,7 +124,7 @@ def _start_without_term(
             stem = state['valve_position'] = min(max(balance, shown - half), shown + half)
             position_play = (shown - stem) / half
         if 'valve_position' in state:
-            state['valve_position'] = _held_position(p, time, current, state)
+            state['valve_position'] = held_position(p, time, current, state)
         if p.ep_converter.hysteresis > 0.0:
             ep_play = _place_at_rest(_filling(p, time, current, state))
     return state, Departure(ep_play=ep_play, position_play=position_play)
@@ -136,10 +136,15 @@ def _balance(p: PositionerParameters, time: float, current: float, pressure: flo
     return settled_state(p, seen, pressure, None, time)[POSITION]
 
 
-def _held_position(
+def held_position(
     p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
 ) -> float:
-    """Return the position, m, at which the stem is held, or that which is read if none is near."""
+    """
+    Return the position, m, at which the stem is held, or that which is read if none is near.
+
+    `state` has chamber_pressure (Pa gauge) and valve_position (m) at `time` (s), when the control
+    current is `current` (A).
+    """
     pressure, read = state['chamber_pressure'], state['valve_position']
     balance, near = _balance(p, time, current, pressure), UNSURE * p.actuator.travel
     if friction_holds(p, pressure, read):

@@ -26,7 +26,7 @@ from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
-from booster_ros.model.start import friction_holds
+from booster_ros.model.start import friction_holds, held_position
 from booster_ros.model.system import PositionerParameters
 
 DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
@@ -77,7 +77,7 @@ class Problem:
         return p
 
     def initial(self, z: Array, p: PositionerParameters) -> Initial:
-        """Return the start at z; a stem that friction holds stands where it was seen."""
+        """Return the start at z; a stem that friction holds is held next to where it was seen."""
         start = self.experiment.initial
         if self.nuisances:
             pressure, back, ep_play, position_play, warmth, past = _on_grid(
@@ -93,7 +93,9 @@ class Problem:
         stem = read - 0.5 * p.sensors.position_backlash * start.departure.position_play
         drop = float(self.experiment.pinned.get('pressure_drop', np.zeros(1))[0])
         held = friction_holds(p, start.chamber_pressure, stem, drop)
-        return replace(start, valve_position=stem if held else None)
+        return replace(start, valve_position=held_position(
+            p, float(self.experiment.time[0]), float(self.experiment.current[0]),
+            {'chamber_pressure': start.chamber_pressure, 'valve_position': stem}) if held else None)
 
     def predict(self, z: Array, over: Experiment | None = None) -> dict[str, Array] | None:
         """Return the channels at z, over this or another experiment, None where it cannot run."""
