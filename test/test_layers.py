@@ -18,12 +18,14 @@ MAY_IMPORT = {
     'parameters': {'model', 'faults', 'writing'},
     'control': {'model', 'records', 'parameters'},
     'signals': set(),
+    'numerics': set(),
     'diagnosis/data': {'model', 'records', 'signals'},
-    'diagnosis/estimation': {'model', 'diagnosis/data'},
-    'diagnosis/hypotheses': {'model', 'records', 'diagnosis/data', 'diagnosis/estimation'},
+    'diagnosis/estimation': {'model', 'numerics', 'diagnosis/data'},
+    'diagnosis/hypotheses': {
+        'model', 'numerics', 'records', 'diagnosis/data', 'diagnosis/estimation'},
     'diagnosis/prepare': {'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation'},
-    'diagnosis/selection': {'model', 'signals', 'diagnosis/data', 'diagnosis/estimation',
-                            'diagnosis/hypotheses'},
+    'diagnosis/selection': {'model', 'numerics', 'signals', 'diagnosis/data',
+                            'diagnosis/estimation', 'diagnosis/hypotheses'},
     'diagnosis/judging': {
         'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation',
         'diagnosis/hypotheses', 'diagnosis/prepare', 'diagnosis/selection'},

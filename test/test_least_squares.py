@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from booster_ros.diagnosis.estimation.least_squares import descend
+from booster_ros.numerics.least_squares import descend
 
 TIME = np.linspace(0.0, 4.0, 60)
 TRUE = np.array([1.4, 0.7, 0.3])

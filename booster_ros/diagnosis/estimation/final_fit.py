@@ -15,10 +15,10 @@ from scipy.optimize import lsq_linear
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
-from booster_ros.diagnosis.estimation.least_squares import SETTLED
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
+from booster_ros.numerics.least_squares import SETTLED
 
 ROUNDS, PAYS = 3, 0.1
 """Times that axes are formed: on some processors two leave slopes of 0.4 in a valley of 0.005; and

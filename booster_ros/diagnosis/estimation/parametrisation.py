@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Experiment
-from booster_ros.diagnosis.estimation.least_squares import NO_STEP
 from booster_ros.model.catalogue import EFFECTS, Effect, Knob
 from booster_ros.model.parameters import DESCRIPTIONS
 from booster_ros.model.scaling import PAPER, in_proportion
 from booster_ros.model.system import PositionerParameters
+from booster_ros.numerics.least_squares import NO_STEP
 
 
 @dataclass(frozen=True)

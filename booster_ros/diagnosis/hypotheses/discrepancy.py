@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array, Experiment, Initial
-from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
 from booster_ros.diagnosis.estimation.parametrisation import Free, put
@@ -25,6 +24,7 @@ from booster_ros.model.ep_converter import QUICKEST, SLOWEST, times_as_slow
 from booster_ros.model.scaling import PAPER, proportion
 from booster_ros.model.system import PositionerParameters
 from booster_ros.model.term_course import followed
+from booster_ros.numerics.least_squares import straight
 from booster_ros.records.holding import bridged
 
 # For each component, a size of a term that a record shows, and what the term may depend on, the

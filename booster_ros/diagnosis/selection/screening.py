@@ -29,13 +29,13 @@ from scipy.signal import periodogram
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
-from booster_ros.diagnosis.estimation.least_squares import straight
 from booster_ros.diagnosis.estimation.parametrisation import TOLD_AT_REST, Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.diagnosis.hypotheses.friction import can_be
 from booster_ros.diagnosis.selection.decide import TIE
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.numerics.least_squares import straight
 
 SIZES = (0.25, 1.0, 3.0)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
