@@ -44,7 +44,7 @@ def test_what_is_seen_stays_and_its_slopes_with_it():
     ((500.0, 600.0, 10.0), 500.0, 2),
     ((500.0, 400.0, 300.0, 200.0, 100.0), 200.0, 4)])
 def test_a_descent_over_slips_is_begun_anew_while_that_pays(costs, left, begun, monkeypatch):
-    problem = problem_of(seen(P), 'stem_friction', freedoms=())
+    problem = problem_of(seen(P), 'stem_friction')
     ends, starts = iter(costs), []
 
     def descended(_, several):
@@ -57,10 +57,12 @@ def test_a_descent_over_slips_is_begun_anew_while_that_pays(costs, left, begun, 
     assert len(starts) == begun
     assert starts[1][0][0] == 1  # where the first ended
     first, as_given = starts[0]
-    size = len(problem.freedoms)
     assert np.array_equal(first, z)
-    assert np.array_equal(as_given[:size], z[:size])
-    assert not as_given[size:].any()
+    friction = place_of(problem, 'actuator.coulomb_friction')
+    assert np.array_equal(as_given[friction:len(problem.freedoms)],
+                          z[friction:len(problem.freedoms)])
+    assert not as_given[:friction].any()  # the declared parameters
+    assert not as_given[len(problem.freedoms):].any()  # and the start
 
 
 @pytest.mark.parametrize('effect', ['chamber_leak', 'stem_friction'])

@@ -1,13 +1,17 @@
 # Copyright 2026 The booster_ros authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where fits of dry friction begin: the best of a population that begins on a grid."""
+"""Where fits of dry friction begin, and how they get from one minimum to the next."""
+
+from types import SimpleNamespace
 
 from made_effect import add_effect
 from made_task import P, RAMPS, RAMPS_TIME, place_of, problem_of, seen, z_of
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.hypotheses.friction import bounded_cost, friction_starts
+from booster_ros.diagnosis.estimation.fit import fit, fit_at
+from booster_ros.diagnosis.estimation.profile import bounded_cost, profiled
+from booster_ros.diagnosis.hypotheses.friction import friction_starts, over_minima
 from booster_ros.model.catalogue import Knob
 
 TIME, CURRENT = RAMPS_TIME[:900], RAMPS[:900]
@@ -57,6 +61,44 @@ def test_all_but_friction_stays_as_it_is_and_the_start_as_given():
         assert not start[len(problem.freedoms):].any()
         low, high = problem.bounds()
         assert ((low <= start) & (start <= high)).all()
+
+
+def test_a_profile_moves_all_but_what_is_held_to_where_least_is_left():
+    rng = np.random.default_rng(3)
+    slopes, there = rng.standard_normal((60, 3)), np.array([0.5, -0.2, 0.8])
+    problem = SimpleNamespace(
+        residuals=lambda z: slopes @ (z - there) + slip,
+        bounds=lambda: (np.full(3, -2.0), np.array([2.0, 2.0, 0.6])))
+    slip = np.zeros(60)
+    begin = np.array([0.5, 0.0, 0.0])
+    least, z = profiled(problem, begin, slopes, held=0)
+    assert z[:2] == pytest.approx([0.5, -0.2], abs=0.2)
+    assert z[2] == 0.6  # its bound is in the way
+    held = np.array([0.3, 0.0, 0.0])
+    assert profiled(problem, held, slopes, held=0)[1][0] == 0.3
+    slip[7] = 400.0  # as a slip in another window
+    more, beside = profiled(problem, begin, slopes, held=0)
+    assert beside == pytest.approx(z, abs=0.1)
+    assert more - least == pytest.approx(bounded_cost(slip), rel=0.1)
+
+
+def test_another_minimum_is_reached_from_the_one_beside_it():
+    """A fit by slopes ends where it began, a slip or two to a stroke away."""
+    problem = rubbing(380.0, 130.0)
+    begin = z_of(problem, {'actuator.coulomb_friction': 372.0, 'actuator.stiction': 150.0,
+                           'actuator.presliding_stiffness': 0.0})
+    beside = fit(problem, [begin])
+    assert abs(beside.parameters.actuator.stiction - 130.0) > 10.0
+    found = over_minima(problem, beside)
+    assert found.cost < 0.1 * beside.cost
+    assert found.parameters.actuator.stiction == pytest.approx(130.0, rel=0.02)
+    assert found.parameters.actuator.coulomb_friction == pytest.approx(380.0, rel=0.01)
+
+
+def test_without_stiction_there_is_one_minimum():
+    problem = rubbing(380.0, 0.0, 'position_dependent_friction')
+    found = fit_at(problem, problem.start())
+    assert over_minima(problem, found) is found
 
 
 def test_new_friction_is_begun_as_the_other_kind_is(monkeypatch):

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which screened effects are fitted to their end, and that they end where they should."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
-from made_task import P, seen, task_of
+from made_task import P, seen, task_of, z_of
 import numpy as np
 import pytest
 
@@ -71,3 +72,26 @@ def test_small_leaks_that_do_the_same_to_a_record_have_the_same_evidence(leak, s
     near = neighbours(task, refitted(task), task.names).near
     assert len(near) == 2
     assert abs(near[0].score.log_evidence() - near[1].score.log_evidence()) < 0.3
+
+
+@pytest.mark.parametrize('noise', [True, False])
+def test_other_minima_of_friction_are_sought_where_more_than_noise_is_left(monkeypatch, noise):
+    plant = P._replace(actuator=P.actuator._replace(coulomb_friction=380.0, stiction=130.0))
+    time = np.arange(0.0, 12.0, 0.02)
+    record = seen(plant, time=time, current=np.interp(
+        time, [0.0, 4.0, 8.0, 12.0], [4.0e-4, 4.3e-4, 4.1e-4, 4.4e-4]))
+    task = task_of(record, ('stem_friction',), freedoms=())
+    fitted = []
+
+    def over(problem, found):
+        fitted.append(found)
+        return replace(found, cost=0.5 * found.cost)
+
+    monkeypatch.setattr(searched, 'over_minima', over)
+    monkeypatch.setattr(searched, 'leaves_noise', lambda model: noise)
+    monkeypatch.setattr(searched, 'friction_starts', lambda problem, z: [z_of(problem, {
+        'actuator.coulomb_friction': 380.0, 'actuator.stiction': 130.0})])
+    found, = searched._from_a_grid(task, refitted(task), 'stem_friction')
+    assert len(fitted) == (0 if noise else 1)
+    assert found.fit.cost == pytest.approx(
+        found.problem.cost(found.fit.z) * (1.0 if noise else 0.5))

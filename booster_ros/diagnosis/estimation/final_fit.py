@@ -52,8 +52,7 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
 
 def _over_slips(problem: Problem, begin: Array) -> Fit:
     """Return the fit to a summary, rough as slips make it: new slopes lead on from its end."""
-    given = np.append(begin[:len(problem.freedoms)], np.zeros(problem.nuisances))
-    found = fit(problem, [begin, given])
+    found = fit(problem, [begin, nominal(problem, begin)])
     for _ in range(ROUNDS):
         before, found = found, min(found, fit(problem, [found.z]), key=lambda one: one.cost)
         if found.cost > (1.0 - PAYS) * before.cost:

@@ -25,7 +25,8 @@ from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
-from booster_ros.diagnosis.hypotheses.friction import begins_on_a_grid, friction_starts
+from booster_ros.diagnosis.hypotheses.friction import (
+    begins_on_a_grid, friction_starts, over_minima)
 from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
@@ -217,4 +218,6 @@ def _from_a_grid(task: Task, parent: Model, name: str) -> list[Model]:
     smooth = replace(task.problem(parent.effects), observation=joint.observation)
     if begun.cost > smooth.cost(parent.fit.z):
         return []
-    return [task.scored(effects, joint, fit(joint, [begun.z]))]
+    found = task.scored(effects, joint, fit(joint, [begun.z]))
+    return [found if leaves_noise(found) else task.scored(
+        effects, joint, over_minima(joint, found.fit))]
