@@ -127,6 +127,19 @@ def test_a_stem_at_the_edge_of_breaking_away_is_held_as_it_was_seen(noise):
     assert start == pytest.approx(5e-3 + beyond, abs=1e-8)
 
 
+def test_what_the_process_does_to_a_stem_counts_where_friction_holds_it():
+    """The stem rests where pressure and pressure drop balance; without the drop it would slide."""
+    plant = P._replace(actuator=P.actuator._replace(
+        coulomb_friction=350.0, stiction=120.0, plug_area=2e-3))
+    act, drop = plant.actuator, 2.5e5
+    rate = act.effective_area * (act.bench_set[1] - act.bench_set[0]) / act.travel
+    balanced = act.bench_set[0] + (rate * 5e-3 + 2e-3 * drop) / act.effective_area
+    still = replace(seen(plant), initial=Initial(balanced, valve_position=5e-3),
+                    pinned={'pressure_drop': np.full(len(TIME), drop)})
+    problem = Problem(still, everywhere(still), plant, ())
+    assert problem.initial(problem.start(), plant).valve_position == 5e-3
+
+
 def test_what_linear_algebra_rounds_is_no_other_slip():
     """Runs of the same diagnosis end in the same place, whatever else the machine does."""
     plant = P._replace(actuator=P.actuator._replace(coulomb_friction=380.0, stiction=130.0))

@@ -124,41 +124,58 @@ def _start_without_term(
             stem = state['valve_position'] = min(max(balance, shown - half), shown + half)
             position_play = (shown - stem) / half
         if 'valve_position' in state:
-            state['valve_position'] = held_position(p, time, current, state)
+            state['valve_position'] = _held_position(p, time, current, state)
         if p.ep_converter.hysteresis > 0.0:
             ep_play = _place_at_rest(_filling(p, time, current, state))
     return state, Departure(ep_play=ep_play, position_play=position_play)
 
 
-def _balance(p: PositionerParameters, time: float, current: float, pressure: float) -> float:
+def _balance(
+    p: PositionerParameters, time: float, current: float, pressure: float,
+    pressure_drop: float = 0.0,
+) -> float:
     """Return the position, m, at which the forces on the stem balance, friction aside."""
     seen = start_current(p, current, Departure())
-    return settled_state(p, seen, pressure, None, time)[POSITION]
+    return settled_state(p, seen, pressure, None, time, pressure_drop)[POSITION]
 
 
-def held_position(
+def held_by_friction(
     p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
-) -> float:
+) -> float | None:
     """
-    Return the position, m, at which the stem is held, or that which is read if none is near.
+    Return the position, m, nearest to that which is read at which friction holds the stem.
 
-    `state` has chamber_pressure (Pa gauge) and valve_position (m) at `time` (s), when the control
-    current is `current` (A).
+    It is the one that is read where friction holds it nowhere near, and None where a stop holds it
+    or nothing rubs. `state` has chamber_pressure (Pa gauge), valve_position (m) and, where it is
+    known, pressure_drop (Pa) at `time` (s), when the control current is `current` (A).
     """
     pressure, read = state['chamber_pressure'], state['valve_position']
-    balance, near = _balance(p, time, current, pressure), UNSURE * p.actuator.travel
-    if friction_holds(p, pressure, read):
-        seen = start_current(p, current, Departure())
+    drop = state.get('pressure_drop', 0.0)
+    if not friction_holds(p, pressure, read, drop):
+        return None
+    seen = start_current(p, current, Departure())
 
-        def breaks_away(position: float) -> bool:
-            y = settled_state(p, seen, pressure, position, time)
-            return breakaway_excess(p, time, seen, y) > 0.0
+    def breaks_away(position: float) -> bool:
+        y = settled_state(p, seen, pressure, position, time, drop)
+        y[CHAMBER] = pressure  # where nothing is between it and the converter, which may move
+        return breakaway_excess(p, time, seen, y) > 0.0
 
-        rests = min(max(balance, read - near), read + near)
-        held = breaks_away(read) and not breaks_away(rests)
-        return _nearest(breaks_away, read, rests) if held else read
+    near = UNSURE * p.actuator.travel
+    rests = min(max(_balance(p, time, current, pressure, drop), read - near), read + near)
+    held = breaks_away(read) and not breaks_away(rests)
+    return _nearest(breaks_away, read, rests) if held else read
+
+
+def _held_position(
+    p: PositionerParameters, time: float, current: float, state: Mapping[str, float]
+) -> float:
+    """Return the position, m, at which the stem is held, or that which is read if none is near."""
+    held, read = held_by_friction(p, time, current, state), state['valve_position']
+    if held is not None:
+        return held
+    balance = _balance(p, time, current, state['chamber_pressure'])
     at_stop = not lower_stop(p.actuator) < balance < upper_stop(p.actuator)
-    return balance if at_stop and abs(balance - read) <= near else read
+    return balance if at_stop and abs(balance - read) <= UNSURE * p.actuator.travel else read
 
 
 def _filling(p: PositionerParameters, time: float, current: float, state: Mapping[str, float]

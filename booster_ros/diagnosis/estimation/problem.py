@@ -26,7 +26,7 @@ from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
 from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
-from booster_ros.model.start import friction_holds, held_position
+from booster_ros.model.start import held_by_friction
 from booster_ros.model.system import PositionerParameters
 
 DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
@@ -91,11 +91,10 @@ class Problem:
             return start
         read = position_behind(p.sensors, start.valve_position)
         stem = read - 0.5 * p.sensors.position_backlash * start.departure.position_play
-        drop = float(self.experiment.pinned.get('pressure_drop', np.zeros(1))[0])
-        held = friction_holds(p, start.chamber_pressure, stem, drop)
-        return replace(start, valve_position=held_position(
-            p, float(self.experiment.time[0]), float(self.experiment.current[0]),
-            {'chamber_pressure': start.chamber_pressure, 'valve_position': stem}) if held else None)
+        return replace(start, valve_position=held_by_friction(
+            p, float(self.experiment.time[0]), float(self.experiment.current[0]), {
+                'chamber_pressure': start.chamber_pressure, 'valve_position': stem,
+                'pressure_drop': float(self.experiment.pinned.get('pressure_drop', [0.0])[0])}))
 
     def predict(self, z: Array, over: Experiment | None = None) -> dict[str, Array] | None:
         """Return the channels at z, over this or another experiment, None where it cannot run."""
