@@ -101,6 +101,8 @@ def test_python_calls_one_function_of_the_compiled_model_and_is_refused_the_othe
         pytest.skip('numba is not installed')
     with pytest.raises(TypeError, match='only into what calls it'):
         modules['gas']['flow_function'](0.5)
+    time = rows(0.1)
+    simulate(positioner(), time, np.full_like(time, PAPER_CURRENT))
     kept = compiled.cache_folder()
     assert kept is not None
     assert {path.name.partition('-')[0] for path in kept.rglob('*.nbi')} == {'kernel.run'}

@@ -119,15 +119,14 @@ def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, A
             twin = types.FunctionType(code, names, key, value.__defaults__)
             twin.__module__ = module.__name__
             twin.__qualname__ = value.__qualname__
+            options = {'nogil': True, 'error_model': 'numpy'}
             if (name, key) == _CALLED:
-                names[key] = njit(nogil=True, cache=cache, error_model='numpy')(twin)
+                names[key] = njit(cache=cache, **options)(twin)
                 if cache:
                     code_cache.keep_sealed(names[key])
             else:
-                names[key] = linking.only_linked(njit(
-                    nogil=True, error_model='numpy', forceinline=name in _INLINED,
-                    pipeline_class=linking.pipeline(), no_cpython_wrapper=True,
-                    no_cfunc_wrapper=True)(twin))
+                names[key] = linking.only_linked(
+                    njit, twin, forceinline=name in _INLINED, **options)
             replaced[_identity(value)] = names[key]
         namespaces[name] = names
     return namespaces

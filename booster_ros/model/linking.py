@@ -9,12 +9,15 @@ work, for code that nobody runs. Here they stay in LLVM's intermediate represent
 that Python calls is optimised with all of them in it, once.
 """
 
+from collections.abc import Callable
 import functools
 from typing import Any
 
 
-def only_linked(dispatcher: Any) -> Any:
-    """Return the function that numba's dispatcher is for, to be called by compiled ones alone."""
+def only_linked(njit: Callable[..., Any], function: Callable[..., Any], **options: Any) -> Any:
+    """Return the function for compiled ones to call, by numba's `njit` with these options."""
+    dispatcher = njit(pipeline_class=_pipeline(), no_cpython_wrapper=True, no_cfunc_wrapper=True,
+                      **options)(function)
     dispatcher.__class__ = _linked_dispatcher(type(dispatcher))  # type: ignore[arg-type]
     return dispatcher
 
@@ -32,7 +35,7 @@ def _linked_dispatcher(base: Any) -> Any:
 
 
 @functools.cache
-def pipeline() -> Any:
+def _pipeline() -> Any:
     """Return the compiler of such functions: numba's own, with a library that is only linked."""
     from numba.core import compiler
     from numba.core.compiler_machinery import FunctionPass, register_pass
