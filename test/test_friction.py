@@ -66,18 +66,20 @@ def test_all_but_friction_stays_as_it_is_and_the_start_as_given():
 def test_a_profile_moves_all_but_what_is_held_to_where_least_is_left():
     rng = np.random.default_rng(3)
     slopes, there = rng.standard_normal((60, 3)), np.array([0.5, -0.2, 0.8])
-    problem = SimpleNamespace(
-        residuals=lambda z: slopes @ (z - there) + slip,
-        bounds=lambda: (np.full(3, -2.0), np.array([2.0, 2.0, 0.6])))
+    problem = SimpleNamespace(bounds=lambda: (np.full(3, -2.0), np.array([2.0, 2.0, 0.6])))
     slip = np.zeros(60)
+
+    def gone_along(z):
+        return profiled(problem, z, slopes @ (z - there) + slip, slopes, held=0)
+
     begin = np.array([0.5, 0.0, 0.0])
-    least, z = profiled(problem, begin, slopes, held=0)
+    least, z = gone_along(begin)
     assert z[:2] == pytest.approx([0.5, -0.2], abs=0.2)
     assert z[2] == 0.6  # its bound is in the way
     held = np.array([0.3, 0.0, 0.0])
-    assert profiled(problem, held, slopes, held=0)[1][0] == 0.3
+    assert gone_along(held)[1][0] == 0.3
     slip[7] = 400.0  # as a slip in another window
-    more, beside = profiled(problem, begin, slopes, held=0)
+    more, beside = gone_along(begin)
     assert beside == pytest.approx(z, abs=0.1)
     assert more - least == pytest.approx(bounded_cost(slip), rel=0.1)
 

@@ -30,15 +30,16 @@ def bounded_cost(residuals: Array) -> float:
     return float(np.sum(UNLIKELY**2 * np.log1p((residuals / UNLIKELY)**2)))
 
 
-def profiled(problem: Problem, z: Array, slopes: Array, held: int) -> tuple[float, Array]:
+def profiled(problem: Problem, z: Array, residuals: Array, slopes: Array, held: int
+             ) -> tuple[float, Array]:
     """
     Return the least bounded cost as all but the one `held` go by the slopes, and z there.
 
-    Weighted squares lead there, by the shortest step: slopes say nothing of where variables go that
-    hardly matter.
+    `residuals` are those at z. Weighted squares lead there, by the shortest step: slopes say
+    nothing of where variables go that hardly matter.
     """
     low, high = (bound - z for bound in problem.bounds())
-    residuals, columns = problem.residuals(z), slopes.copy()
+    columns = slopes.copy()
     columns[:, held] = 0.0
     left, step = residuals, np.zeros(len(z))
     for _ in range(REWEIGHTED):

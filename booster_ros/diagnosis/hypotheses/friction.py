@@ -48,7 +48,7 @@ POPULATION, GENERATIONS = 40, 6
 of a record."""
 
 KEPT = 3
-"""Number of best trials from which fits begin."""
+"""Number of best trials of stiction that get slopes of their own."""
 
 FINELY, WIDELY = 0.007, 40
 """Steps of stiction, as a share of it, and their number to either side: a minimum over it is some
@@ -104,8 +104,9 @@ def friction_starts(problem: Problem, z: Array) -> list[Array]:
 def over_minima(problem: Problem, found: Fit) -> Fit:
     """Return the fit that another minimum over stiction leads to, again and again while it pays."""
     names = [free.knob.parameter for free in problem.freedoms]
-    while _STICTION in names and found.seen[names.index(_STICTION)]:
-        further = fit(problem, [_other_minimum(problem, found, names.index(_STICTION))])
+    held = names.index(_STICTION) if _STICTION in names else None
+    while held is not None and found.seen[held]:
+        further = fit(problem, [_other_minimum(problem, found, held)])
         if further.cost > (1.0 - PAYS) * found.cost:
             break
         found = further
@@ -122,11 +123,13 @@ def _other_minimum(problem: Problem, found: Fit, held: int) -> Array:
         there, z = here * np.exp(FINELY * step), found.z.copy()
         z[held] = stiction.variable(there)
         z[slides] = sliding.variable(sliding.value(z[slides]) - MADE_UP * (there - here))
-        return profiled(problem, np.clip(z, *problem.bounds()), found.jacobian, held)
+        z = np.clip(z, *problem.bounds())
+        return profiled(problem, z, problem.residuals(z), found.jacobian, held)
 
     def again(z: Array) -> tuple[float, Array]:
-        slopes = problem.jacobian(z, problem.residuals(z), found.jacobian)
-        z = profiled(problem, z, slopes, held)[1]
+        residuals = problem.residuals(z)
+        slopes = problem.jacobian(z, residuals, found.jacobian)
+        z = profiled(problem, z, residuals, slopes, held)[1]
         return bounded_cost(problem.residuals(z)), z
 
     trials = sorted(side_by_side(at, range(-WIDELY, WIDELY + 1)), key=lambda trial: trial[0])
