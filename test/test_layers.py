@@ -22,7 +22,7 @@ MAY_IMPORT = {
     'diagnosis/data': {'model', 'records', 'signals'},
     'diagnosis/estimation': {'model', 'numerics', 'diagnosis/data'},
     'diagnosis/hypotheses': {
-        'model', 'numerics', 'records', 'diagnosis/data', 'diagnosis/estimation'},
+        'model', 'numerics', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation'},
     'diagnosis/prepare': {'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation'},
     'diagnosis/selection': {'model', 'numerics', 'signals', 'diagnosis/data',
                             'diagnosis/estimation', 'diagnosis/hypotheses'},

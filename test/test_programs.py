@@ -29,8 +29,8 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def imported_by(module: str) -> set[str]:
-    """Return the top-level packages that importing the module brings along."""
-    script = f'import sys, {module}; print(*{{name.split(".")[0] for name in sys.modules}})'
+    """Return the modules that importing this one brings along."""
+    script = f'import sys, {module}; print(*sys.modules)'
     command = [sys.executable, '-c', script]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return set(done.stdout.split())
@@ -116,6 +116,11 @@ def test_the_list_of_programs_imports_none_of_them():
 def test_a_node_needs_rclpy_and_numpy_alone(node):
     heavy = {'matplotlib', 'numba', 'pandas', 'pint', 'rosbags', 'scipy', 'tqdm'}
     assert not heavy & imported_by(f'booster_ros.nodes.{node}')
+
+
+@pytest.mark.parametrize('program', ['close_loop', 'fleet', 'simulate', 'inspect'])
+def test_no_program_waits_at_its_start_for_what_draws_or_for_statistics(program):
+    assert not {'matplotlib', 'scipy.stats'} & imported_by(f'booster_ros.programs.{program}')
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import binomtest
 
 from .cases import CampaignError
 from .results import by_case
@@ -45,6 +44,8 @@ def mcnemar(first: Sequence[bool], second: Sequence[bool]) -> Mcnemar:
     value is two-sided, of a binomial distribution with n = b + c and probability 1/2. Source:
     Q. McNemar, Psychometrika 12 (1947) 153.
     """
+    from scipy.stats import binomtest  # takes a second to import
+
     b = sum(one and not other for one, other in zip(first, second, strict=True))
     c = sum(other and not one for one, other in zip(first, second, strict=True))
     return Mcnemar(b, c, float(binomtest(b, b + c).pvalue) if b + c else 1.0)

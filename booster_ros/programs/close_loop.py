@@ -32,7 +32,6 @@ from ..model.system import PositionerParameters
 from ..parameters.file import read_parameter_file
 from ..records import (
     COLUMNS, FileMapping, Record, RecordError, check_inputs_stay, is_bag, read_mapping, read_record)
-from ..report.html_report import html_page
 from ..report.json_report import json_text
 from ..report.parameter_files import write_parameter_files
 from ..report.provenance import Provenance
@@ -303,6 +302,8 @@ def _hypotheses(options: argparse.Namespace) -> tuple[tuple[str, ...], frozenset
 
 def _write(folder: Path, diagnosis: Diagnosis, provenance: Provenance, node: Mapping[str, Any]
            ) -> None:
+    from ..report.html_report import html_page  # draws, which takes half a second to import
+
     (folder / 'report.json').write_text(json_text(diagnosis, provenance), encoding='utf-8')
     (folder / 'report.html').write_text(html_page(diagnosis, provenance), encoding='utf-8')
     write_parameter_files(folder, diagnosis, provenance, node)

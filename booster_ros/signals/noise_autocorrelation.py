@@ -16,8 +16,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import lfilter
-from scipy.stats import kurtosis
 
 from booster_ros.signals.autoregression import (
     coefficient_and_level, left_by, without)
@@ -73,6 +71,8 @@ class Noise:
 
     def added_to(self, signal: Array, rng: np.random.Generator) -> Array:
         """Return the signal, shape (n,), with a draw of this noise, rounded as it was recorded."""
+        from scipy.signal import lfilter  # takes a second to import
+
         level = np.sqrt(max(self.level**2 - self.resolution**2 / 12.0, 0.0))
         white = rng.standard_normal(len(signal))
         white[1:] *= np.sqrt(1.0 - self.correlation**2)
@@ -114,7 +114,7 @@ def noise_of(signal: Array, calm: Sequence[slice]) -> Noise:
             of_new <= DISTURBED * np.median(of_new))
         if np.array_equal(before, counts):
             break
-    slips = kurtosis(new[before], axis=None) > HEAVY_TAILED
+    slips = _excess_kurtosis(new[before]) > HEAVY_TAILED
     small = abs(coefficient) < max(SMALL, CHANCE / np.sqrt(left.size))
     carried = _carried(left, seen)
     expected = left_by(coefficient, curves, LAGS)
@@ -147,9 +147,17 @@ def _hunts(variance: Array, by_chance: Array) -> bool:
     return bool(quiet < UNEQUAL * usual)
 
 
+def _excess_kurtosis(values: Array) -> float:
+    """Return the fourth central moment in squares of the second, less the 3 of a Gaussian."""
+    off = values - np.mean(values)
+    return float(np.mean(off**4) / np.mean(off**2)**2) - 3.0
+
+
 def _drawn(coefficient: float, curves: Array) -> Array:
     """Return drawn pieces of noise of variance 1 and this colour, less their curves."""
     rows = len(curves)
-    drawn = lfilter([1.0], [1.0, -coefficient], np.sqrt(1.0 - coefficient**2)
-                    * np.random.default_rng(1).standard_normal((DRAWN, 2 * rows)))[:, rows:]
-    return without(drawn, curves)
+    drawn = np.sqrt(1.0 - coefficient**2) * np.random.default_rng(1).standard_normal(
+        (DRAWN, 2 * rows))
+    for row in range(1, 2 * rows):
+        drawn[:, row] += coefficient * drawn[:, row - 1]
+    return without(drawn[:, rows:], curves)

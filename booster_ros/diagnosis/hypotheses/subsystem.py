@@ -11,12 +11,12 @@ driven by the measured current and position, knows no friction: it tells what li
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from booster_ros.diagnosis.data.experiment import Experiment
 from booster_ros.diagnosis.estimation.parametrisation import OF_THE_CHAMBER, Free
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.records.holding import bridged
+from booster_ros.signals.savitzky_golay import smoothed
 
 WINDOW = 11
 """Rows over which the measured position is smoothed, so that it has a velocity."""
@@ -43,13 +43,12 @@ def upstream(experiment: Experiment) -> Experiment | None:
     if len(interval) < 10 * WINDOW or np.max(interval) > 4.0 * np.median(interval):
         return None
     whole = bridged(experiment.time, position)
-    step = float(np.median(interval))
+    stem, velocity = smoothed(whole, WINDOW, float(np.median(interval)))
     return replace(
         experiment,
         measured={'chamber_pressure': experiment.measured['chamber_pressure']},
         noise={'chamber_pressure': experiment.noise['chamber_pressure']},
-        pinned={'valve_position': savgol_filter(whole, WINDOW, 2),
-                'stem_velocity': savgol_filter(whole, WINDOW, 2, deriv=1, delta=step)})
+        pinned={'valve_position': stem, 'stem_velocity': velocity})
 
 
 def is_upstream(name: str) -> bool:

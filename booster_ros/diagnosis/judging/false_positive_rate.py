@@ -14,7 +14,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest
 
 from booster_ros.signals.stationary_segments import calm_pieces
 from booster_ros.diagnosis.data.experiment import Experiment
@@ -36,6 +35,8 @@ def calibrated(diagnosis: Diagnosis, runs: int, seed: int, judge: Diagnose,
     `judge` is the procedure that is checked; `progress` is called with a phrase and the share
     done. ValueError where `runs` is less than 1.
     """
+    from scipy.stats import binomtest  # takes a second to import
+
     if runs < 1:
         raise ValueError(f'a calibration needs at least one run, got {runs}')
     tell = progress or (lambda phrase, share: None)

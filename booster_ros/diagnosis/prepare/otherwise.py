@@ -24,7 +24,6 @@ import itertools
 import numpy as np
 from scipy.constants import day, hour, micro, milli, minute, nano
 from scipy.optimize import brute
-from scipy.stats import spearmanr
 
 from booster_ros.diagnosis.data.experiment import Array, Experiment, rmse
 from booster_ros.diagnosis.prepare.plausibility import LITTLE, driven, known
@@ -165,7 +164,7 @@ def _reversed_current(experiment: Experiment, declared: PositionerParameters) ->
     measured, current = experiment.measured[name], experiment.current
     rows = np.isfinite(measured)
     both = current[rows], measured[rows]
-    if min(map(np.ptp, both)) == 0.0 or spearmanr(*both).statistic >= 0.0:
+    if min(map(np.ptp, both)) == 0.0 or _rank_correlation(*both) >= 0.0:
         return
     full = declared.supply.pressure / declared.ep_converter.gain
 
@@ -186,6 +185,15 @@ def _reversed_current(experiment: Experiment, declared: PositionerParameters) ->
         'control_current: the declared model moves as measured with '
         f'{least + np.max(current):.4g} A less the current: the converter is reverse-acting, or '
         'the wires are swapped; convert the column to the current of a direct-acting one')
+
+
+def _rank_correlation(x: Array, y: Array) -> float:
+    """Return Spearman's coefficient; values that are equal share the mean of their ranks."""
+    ranks = []
+    for values in (x, y):
+        _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+        ranks.append((np.cumsum(count) - 0.5 * count)[place])
+    return float(np.corrcoef(*ranks)[0, 1])
 
 
 def _reversed_position(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import (
@@ -108,7 +108,7 @@ def neighbours(task: Task, parent: Model, names: tuple[str, ...], tick: Tick = l
 
 def _far_off(parent: Model) -> bool:
     """Tell whether declared parameters are further off, all together, than is known of them."""
-    return parent.score.prior > float(chi2.ppf(LEVEL, len(parent.problem.known)))
+    return parent.score.prior > float(chdtri(len(parent.problem.known), 1.0 - LEVEL))
 
 
 def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:

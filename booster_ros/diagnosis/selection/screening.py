@@ -25,7 +25,6 @@ from dataclasses import dataclass, replace
 import itertools
 
 import numpy as np
-from scipy.signal import periodogram
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
@@ -140,9 +139,11 @@ def strong_frequencies(problem: Problem, z: Array) -> Array:
     residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
     even = np.linspace(time[0], time[-1], len(time))  # thinned rows are dense where steps are
     residual = np.interp(even, time, np.nan_to_num(residual))
-    frequency, power = periodogram(
-        residual, fs=(len(time) - 1) / (time[-1] - time[0]), window='hann', detrend='linear',
-        nfft=PADDING * len(residual))
+    residual -= np.polyval(np.polyfit(even, residual, 1), even)
+    # zeros behind it give frequencies in between; numpy.hanning takes its last row for the first
+    spectrum = np.fft.rfft(np.hanning(len(time) + 1)[:-1] * residual, PADDING * len(time))
+    frequency = np.fft.rfftfreq(PADDING * len(time), even[1] - even[0])
+    power = np.abs(spectrum)**2
     lines = np.maximum(power - ABOVE_NOISE * float(np.median(power)), 0.0)
     lines[(frequency < 0.02) | (frequency > 15.0)] = 0.0
     # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
