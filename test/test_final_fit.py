@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from booster_ros.diagnosis.estimation import final_fit as last_fit
-from booster_ros.diagnosis.estimation.final_fit import final_fit, without_unseen
+from booster_ros.diagnosis.estimation.final_fit import (
+    at_the_bottom, final_fit, without_unseen)
 from booster_ros.diagnosis.estimation.fit import fit_at
 from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap, interval_of
@@ -37,6 +38,21 @@ def test_what_is_seen_stays_and_its_slopes_with_it():
     problem = problem_of(seen(put(P, 'actuator.leak_area', 3e-8)), 'chamber_leak', freedoms=())
     fit = fit_at(problem, z_of(problem, {'actuator.leak_area': 3e-8}))
     assert without_unseen(problem, fit) is fit
+
+
+def test_what_had_made_up_for_a_size_that_is_not_shown_goes_on_without_it():
+    """The rate at which stiction fades means nothing where there is next to none."""
+    problem = problem_of(seen(put(P, 'actuator.coulomb_friction', 150.0)), 'stem_friction',
+                         freedoms=())
+    begun = fit_at(problem, z_of(problem, {
+        'actuator.coulomb_friction': 149.0, 'actuator.stiction': 0.02,
+        'actuator.stribeck_velocity': 5e-3}))
+    found = without_unseen(problem, begun)
+    actuator = found.parameters.actuator
+    assert (actuator.stiction, actuator.stribeck_velocity) == (0.0, pytest.approx(1e-3))
+    assert actuator.coulomb_friction == pytest.approx(150.0, abs=0.5)
+    assert found.cost < begun.cost
+    assert at_the_bottom(problem, found).parameters.actuator.stiction == 0.0
 
 
 @pytest.mark.parametrize(('costs', 'left', 'begun'), [
@@ -94,9 +110,9 @@ def test_a_size_that_no_row_shows_goes_back_to_neutral():
     booster = without_unseen(problem, fit).parameters.booster
     assert fit.parameters.booster.exhaust_preload > 0.0  # a bench never exhausts
     assert booster.exhaust_preload == 0.0
-    assert booster.intake_preload == fit.parameters.booster.intake_preload > 0.0
     without = without_unseen(problem, fit)
-    assert without.cost == problem.cost(without.z)
+    assert without.cost == problem.cost(without.z) < fit.cost  # what was there beside goes on
+    assert 0.0 < booster.intake_preload != fit.parameters.booster.intake_preload
     preload = [free.knob.parameter for free in fit.freedoms].index('booster.exhaust_preload')
     drawn = block_bootstrap(problem, fit, np.arange(54))
     nothing = interval_of(problem, drawn, fit, preload)

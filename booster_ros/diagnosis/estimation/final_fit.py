@@ -3,6 +3,9 @@
 """
 The final estimate of a chosen model: every training row, to the very end, and how sure it is.
 
+What the rows do not show is put back: a size to none, a shape to what is typical. All else is
+fitted on without it, as it had made up for it.
+
 Where variables do nearly the same they make a valley, as the E/P converter's offset and the
 preloads of both seats do. So slopes are formed along its axes at last, and a step goes to its
 bottom.
@@ -16,6 +19,7 @@ from scipy.optimize import lsq_linear
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.parallel import side_by_side
+from booster_ros.diagnosis.estimation.parametrisation import Free, put
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 from booster_ros.numerics.least_squares import SETTLED
@@ -38,7 +42,7 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
     """
     Return the estimate from z, or from there with the declared parameters as given, if better.
 
-    Sizes of effects that the rows do not show are put back to none.
+    Sizes that the rows do not show are none, and shapes typical where that is as good.
     """
     if not problem.observation.summary:
         other = nominal(problem, begin)
@@ -46,7 +50,7 @@ def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
         found = fit(problem, starts, tolerance=SETTLED)
     else:
         found = _over_slips(problem, begin)
-    found = without_unseen(problem, at_the_bottom(problem, found))
+    found = at_the_bottom(problem, without_unseen(problem, found))
     return FinalFit(problem, found, block_bootstrap(problem, found, block_of_row))
 
 
@@ -62,20 +66,39 @@ def _over_slips(problem: Problem, begin: Array) -> Fit:
 
 def without_unseen(problem: Problem, found: Fit) -> Fit:
     """
-    Return the fit with those sizes back at neutral that the rows show less than their noise.
+    Return the fit without what the rows show less than their noise, all else fitted on.
 
-    Its slopes are those of before. As a size may lie where nothing more changes, such as that of a
-    seat so wide that it is never fully open, the model with it at neutral is run before.
+    Such a size goes back to neutral, a shape to what is typical. Its slopes are those of before.
+    As a size may lie where nothing more changes, such as that of a seat so wide that it is never
+    fully open, the model without it is run before.
     """
-    z, seen = found.z, found.seen
+    z, seen, back = found.z, found.seen, []
     for j, free in enumerate(problem.freedoms):
-        if free.as_given or np.isfinite(free.sigma) or free.knob.shape or z[j] == 0.0 or seen[j]:
+        if not _of_effect(free) or z[j] == free.without_size or seen[j] and not free.knob.shape:
             continue
         without = z.copy()
-        without[j] = 0.0
+        without[j] = free.without_size
         if problem.cost(without) < found.cost + NOTICEABLE:
             z = without
-    return found if z is found.z else fit_at(problem, z, found.jacobian)
+            back.append(j)
+    return _fitted_beside(problem, z, found.jacobian, back) if back else found
+
+
+def _of_effect(free: Free) -> bool:
+    return not free.as_given and not np.isfinite(free.sigma)
+
+
+def _fitted_beside(problem: Problem, z: Array, slopes: Array, held: list[int]) -> Fit:
+    """Return the fit of all variables but those that are held where they are at z."""
+    base, others = problem.base, np.setdiff1d(np.arange(len(z)), held)
+    for free, variable in ((problem.freedoms[j], z[j]) for j in held):
+        base = put(base, free.knob.parameter, free.value(variable), free.element)
+    free_others = tuple(free for j, free in enumerate(problem.freedoms) if j not in held)
+    if len(others):
+        beside = replace(problem, base=base, freedoms=free_others)
+        z = z.copy()
+        z[others] = fit(beside, [z[others]], tolerance=SETTLED, slopes=slopes[:, others]).z
+    return fit_at(problem, z, slopes)
 
 
 def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Array:
@@ -124,9 +147,16 @@ def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Arra
 
 
 def at_the_bottom(problem: Problem, found: Fit) -> Fit:
-    """Return the fit with `slopes_along_axes`, a Gauss-Newton step further if that is better."""
+    """
+    Return the fit with `slopes_along_axes`, a Gauss-Newton step further if that is better.
+
+    A size that is none stays so.
+    """
     slopes = slopes_along_axes(problem, found.z, found.residuals, found.jacobian)
-    low, high = problem.bounds()
-    step = lsq_linear(slopes, -found.residuals, (low - found.z, high - found.z)).x
+    room = np.array(problem.bounds()) - found.z
+    some = [j for j in range(len(found.z)) if found.z[j] or j >= len(problem.freedoms)
+            or not _of_effect(problem.freedoms[j])]
+    step = np.zeros(len(found.z))
+    step[some] = lsq_linear(slopes[:, some], -found.residuals, room[:, some]).x
     further = fit_at(problem, found.z + step, slopes)
     return further if further.cost < found.cost else replace(found, jacobian=slopes)
