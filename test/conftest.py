@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 import os
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,10 @@ os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 # Processes that tests kill leave their shared memory as it is; this one, which outlives them all,
 # keeps away from it. What it starts has the transports that users have (`RosProcess`).
 os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
+# Nodes announce themselves so often that those that start later know them at once, else after up to
+# 3 s. Fast DDS reads the second of these variables from version 3 on, the first until then.
+for _NAME in ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE'):
+    os.environ[_NAME] = str(Path(__file__).with_name('fastdds.xml'))
 # Programs under test must not open windows, nor colour what they print.
 os.environ['MPLBACKEND'] = 'Agg'
 os.environ['RCUTILS_COLORIZED_OUTPUT'] = '0'
