@@ -18,6 +18,7 @@ import threading
 import time
 from types import SimpleNamespace
 
+from controller_here import played
 import numpy as np
 from positioner_here import context_here
 import positioner_process
@@ -26,7 +27,7 @@ import pytest
 from rcl_interfaces.srv import GetParameters
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros_client import RosClient
@@ -88,35 +89,6 @@ def gives_up(
             executor.shutdown()
             node.destroy_node()
     return str(refused.value)
-
-
-def played(
-    *ros_arguments: str, then: Callable[[], object] | None = None, **parameters: object
-) -> str:
-    """
-    Play in this process; return the sentence with which the run is given up, '' if it is not.
-
-    `then` is called when half a second has been played.
-    """
-    with context_here(*ros_arguments, *with_parameters(**parameters)) as arguments:
-        node, executor = FakeController(arguments), SingleThreadedExecutor()
-        executor.add_node(node)
-        end = time.monotonic() + PATIENCE
-        try:
-            while node.context.ok():
-                assert time.monotonic() < end
-                if then is not None and node._played >= 0.5:
-                    then()
-                    then = None
-                    continue  # it may have ended this context
-                with contextlib.suppress(ExternalShutdownException):
-                    executor.spin_once(timeout_sec=0.05)
-        except RunError as error:
-            return str(error)
-        finally:
-            executor.shutdown()
-            node.destroy_node()
-    return ''
 
 
 @contextlib.contextmanager

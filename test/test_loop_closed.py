@@ -7,10 +7,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from controller_here import played
 import numpy as np
 import positioner_process
 from positioner_process import with_parameters
-from ros_process import RosProcess, program
+from ros_process import RosProcess
 
 from booster_ros.programs import close_loop
 from booster_ros.records import Record, read_record
@@ -23,10 +24,7 @@ NOISE = {'chamber_pressure': 150.0, 'valve_position': 8e-6}
 
 def recorded(path: Path, levels: list[float]) -> Record:
     """Return what the positioner that runs does as levels are played to it."""
-    played = with_parameters(
-        levels=levels, dwell=DWELL, rate=RATE, lockstep=True, record_csv=path)
-    with RosProcess(program('fake_controller', '--ros-args', *played)) as controller:
-        assert controller.wait(timeout=120.0) == 0, controller.output
+    assert played(levels=levels, dwell=DWELL, rate=RATE, lockstep=True, record_csv=path) == ''
     return read_record(path)
 
 
