@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from controller_here import played
 from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 from positioner_here import positioner_here
@@ -11,7 +12,6 @@ from positioner_process import Bench, details, report_of, start, state_of, with_
 import pytest
 from rclpy.duration import Duration
 from ros_client import RosClient
-from ros_process import RosProcess, program
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -21,6 +21,8 @@ from booster_ros.nodes.deviation import TravelDeviation
 from booster_ros.records import read_record
 
 TRAVEL = 0.016
+STEP = 0.01
+"""Integration step, s: a tick each."""
 LOOP = from_values({'position_controller.enabled': True})
 
 
@@ -28,7 +30,8 @@ def arguments(**others: object) -> list[str]:
     """Return the arguments for a paused positioner whose controller holds 4 mm."""
     return with_parameters(
         position_controller__enabled='true', initial_state__chamber_pressure=187500.0,
-        initial_state__valve_position=0.004, start_paused='true', **others)
+        initial_state__valve_position=0.004, start_paused='true',
+        integration_step=STEP, **others)
 
 
 @pytest.fixture(scope='module')
@@ -63,9 +66,9 @@ def publish(bench, kind, topic, **fields):
 
 def model_after(set_point, ticks):
     """Return the position that the model has so long after a step of the set point."""
-    plant = make_plant(LOOP, 1e-3)
+    plant = make_plant(LOOP, STEP)
     plant.reset(187.5e3, 0.004)
-    plant.advance(set_point, 10 * ticks)
+    plant.advance(set_point, ticks)
     return plant.readings()[1]
 
 
@@ -154,10 +157,10 @@ def test_a_pressure_drop_pushes_the_stem(bench):
     bench.step(20)
     bench.client.spin_until(lambda: len(positions) >= 20)
     plant = make_plant(from_values({'position_controller.enabled': True,
-                                    'actuator.plug_area': 2e-3}), 1e-3)
+                                    'actuator.plug_area': 2e-3}), STEP)
     plant.reset(187.5e3, 0.004)
     plant.pressure_drop = 2e5
-    plant.advance(0.004, 200)
+    plant.advance(0.004, 20)
     assert positions[-1].data == plant.readings()[1] < 3.99e-3
     publish(bench, Float64, 'pressure_drop', data=0.0)
 
@@ -189,19 +192,16 @@ def test_an_alarm_comes_after_the_delay_and_goes_at_once():
 def test_the_fake_controller_plays_set_points_and_records_them(tmp_path, bench):
     assert bench.set(step_ticks=1).successful
     csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
-    played = with_parameters(
-        mode='set_point', levels=[0.004, 0.006], dwell=1.0, lockstep='true', record_csv=csv,
-        record_bag=bag)
-    with RosProcess(program('fake_controller', '--ros-args', *played)) as node:
-        assert node.wait(120.0) == 0, node.output
+    assert played(mode='set_point', levels=[0.004, 0.006], dwell=1.0, lockstep=True,
+                  record_csv=csv, record_bag=bag) == ''
     record = read_record(csv)
     assert list(record.columns) == ['time', 'set_point', 'chamber_pressure', 'valve_position']
     assert set(record['set_point']) == {0.004, 0.006}
     assert len(record) == 201
-    plant = make_plant(LOOP, 1e-3)
+    plant = make_plant(LOOP, STEP)
     plant.reset(187.5e3, 0.004)
     for set_point, position in zip(record['set_point'], record['valve_position']):
         assert position == pytest.approx(plant.readings()[1], abs=1e-8)
-        plant.advance(set_point, 10)
+        plant.advance(set_point, 1)
     from_bag = read_record(bag)
     np.testing.assert_allclose(from_bag['set_point'], record['set_point'], atol=1e-9)
