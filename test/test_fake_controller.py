@@ -152,16 +152,16 @@ def test_a_recording_in_lockstep_is_what_the_model_says(tmp_path, positioner):
     """Every command counts from the very tick it was sent for, whatever the processes do."""
     csv, bag = tmp_path / 'record.csv', tmp_path / 'record'
     profile = {'profile': 'sines', 'low': 3.8e-4, 'high': 4.6e-4, 'frequencies': [0.5, 1.3],
-               'cycles': 3, 'rate': RATE, 'lockstep': True, 'record_csv': csv}
+               'cycles': 2, 'rate': RATE, 'lockstep': True, 'record_csv': csv}
     with controller(feedback='plain', record_bag="''", **profile) as node:
         assert node.wait() == 0, node.output
     plain = csv.read_bytes()
     assert played(feedback='stamped', record_bag=bag, **profile) == ''
     assert csv.read_bytes() == plain
     record = read_record(csv)
-    assert len(record) == 6 * RATE + 1
-    np.testing.assert_allclose(record['time'], np.arange(6 * RATE + 1) / RATE, atol=1e-9)
-    assert len(np.unique(record['control_current'])) > 3 * RATE
+    assert len(record) == 4 * RATE + 1
+    np.testing.assert_allclose(record['time'], np.arange(4 * RATE + 1) / RATE, atol=1e-9)
+    assert len(np.unique(record['control_current'])) > 2 * RATE
     assert replayed(record).outputs().valve_position > 0.0
     from_bag = read_record(bag)
     for name in record.columns:
@@ -173,11 +173,11 @@ def test_a_profile_is_played_in_real_time_and_recorded(tmp_path, positioner, ros
     commands = ros_client.listen('control_current', Float64)
     phases = ros_client.listen('fake_controller/status', String)
     with controller(
-        levels=[2e-4, 4e-4], dwell=2.0, feedback='stamped', record_csv=csv, record_bag=bag,
+        levels=[2e-4, 4e-4], dwell=1.5, feedback='stamped', record_csv=csv, record_bag=bag,
         bag_format='sqlite3',
     ) as node:
         assert node.wait() == 0, node.output
-        assert any('2.0 of 4 s played, 50%' in line for line in node.stderr)
+        assert any('1.5 of 3 s played, 50%' in line for line in node.stderr)
     ros_client.spin_until(lambda: 'done' in [phase.data for phase in phases])
     # a busy machine may connect this client after the first of them
     assert [phase.data for phase in phases] in (
@@ -186,11 +186,11 @@ def test_a_profile_is_played_in_real_time_and_recorded(tmp_path, positioner, ros
     ros_client.spin_until(lambda: {command.data for command in commands} == {2e-4, 4e-4})
     record = read_record(csv)
     # it ends with the last sample that came in time; a busy machine delivers the last ones late
-    assert 2.5 < record['time'][-1] < 4.1
+    assert 1.9 < record['time'][-1] < 3.1
     np.testing.assert_allclose(np.diff(record['time']), 1.0 / RATE, atol=2e-6)
     first_high = np.flatnonzero(record['control_current'] == 4e-4)[0]
     assert record['control_current'][first_high - 1] == 2e-4
-    assert 1.94 < record['time'][first_high] < 3.5  # never early; a busy machine sends it late
+    assert 1.44 < record['time'][first_high] < 3.0  # never early; a busy machine sends it late
     assert set(read_record(bag).columns) == set(record.columns)
 
 
