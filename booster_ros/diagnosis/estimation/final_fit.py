@@ -74,7 +74,8 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     """
     z, seen, back = found.z, found.seen, []
     for j, free in enumerate(problem.freedoms):
-        if not _of_effect(free) or z[j] == free.without_size or seen[j] and not free.knob.shape:
+        if not _of_effect(free) or z[j] == free.without_size or (
+                seen[j] and not free.knob.shape):
             continue
         without = z.copy()
         without[j] = free.without_size
@@ -124,7 +125,7 @@ def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Arra
     low, high = problem.bounds()
     moving = np.flatnonzero(columns.any(axis=0))
     _, lengths, axes = np.linalg.svd(columns[:, moving], full_matrices=False)
-    steps = problem.steps_for(lengths)
+    steps = problem.steps_for(lengths, problem.observation.last)
 
     def within(moved: Array) -> bool:
         return bool(np.all((low <= moved) & (moved <= high)))

@@ -15,6 +15,7 @@ channel, and return what a fit minimises the squares of.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_banded
@@ -139,29 +140,45 @@ class Windows:
         return curves
 
 
+class Steps(NamedTuple):
+    """
+    How long differences are, in z.
+
+    `change` is that of the residuals (norm) that has to show above their roughness, `most` the
+    longest step.
+    """
+
+    change: float
+    most: float
+
+
 @dataclass(frozen=True, eq=False)
 class Observation:
     """
     What of the readings of a channel counts.
 
     `of` makes its residuals of the scaled residuals of its rows, in series, of which `first_rows`
-    are the counted rows each begins with. `visible` is the change of the residuals (norm) that a
-    difference has to make to show above their roughness. A `summary` of the readings says as much
-    on thinned rows as on all, and bends too much for slopes to lead far.
+    are the counted rows each begins with. `steps` are those of a fit's differences, `last` those
+    along the axes at its end. A `summary` of the readings says as much on thinned rows as on all,
+    and bends too much for slopes to lead far.
     """
 
     name: str
     of: Callable[[Windows, Array], Array] = field(repr=False)
     first_rows: Callable[[Windows], list[Array]] = field(repr=False)
-    visible: float = 1.0
+    steps: Steps
+    last: Steps
     summary: bool = False
 
 
 ROWS = Observation('rows', lambda windows, scaled: windows.white(scaled),
-                   lambda windows: [np.arange(len(windows.time))])
+                   lambda windows: [np.arange(len(windows.time))], Steps(1.0, 0.1), Steps(1.0, 0.1))
 """Every reading counts, by itself where none of its noise is chance."""
 
 WINDOWS = Observation(
     'windows', lambda windows, scaled: np.append(windows.means(scaled), windows.strengths(scaled)),
-    lambda windows: [windows.first, windows.first[windows.told]], visible=100.0, summary=True)
-"""Means and logarithms of variances of windows count; slips make them rough on short ways."""
+    lambda windows: [windows.first, windows.first[windows.told]], Steps(100.0, 0.1),
+    Steps(300.0, 0.3), summary=True)
+"""Means and logarithms of variances of windows count; slips make them rough on short ways: one slip
+in another window is hundreds, and the next minimum over stiction some 0.1 away. Slopes that tell how
+sure a fit is are over several of both, or they are those of the one minimum that it ended in."""

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import NO_CHANCE, Array, Experiment, Initial
-from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Windows
+from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Steps, Windows
 from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
 from booster_ros.model.discrepancy import remembers
@@ -29,9 +29,9 @@ from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.start import held_by_friction
 from booster_ros.model.system import PositionerParameters
 
-DIFFERENCE, SMALLEST_DIFFERENCE, LARGEST_DIFFERENCE = 2e-3, 2e-5, 0.1
-"""First step in z of the Jacobian's differences, and the bounds of later ones, which change the
-residuals by `Observation.visible` (norm)."""
+DIFFERENCE, SMALLEST_DIFFERENCE = 2e-3, 2e-5
+"""First step in z of the Jacobian's differences, and the least of later ones, which are those of
+the observation (`Steps`)."""
 
 START = np.array([3.0, 4.0, 1.0, 1.0, 2.0, 1.0])
 """Standard deviations of the start around the experiment's: chamber pressure in 100 Pa, back
@@ -174,7 +174,7 @@ class Problem:
         `here` are the residuals at z; an earlier Jacobian `before` tells how far to step.
         """
         steps = np.full(len(z), self.first_step) if before is None else self.steps_for(
-            np.linalg.norm(before, axis=0))
+            np.linalg.norm(before, axis=0), self.observation.steps)
         silent = self._silent(z)
         columns = np.zeros((len(here), len(z)))
         told = [j for j in range(len(z)) if j not in silent]
@@ -197,13 +197,13 @@ class Problem:
 
         return np.reshape(side_by_side(column, which), (len(which), len(here))).T
 
-    def steps_for(self, slopes: Array) -> Array:
+    def steps_for(self, slopes: Array, steps: Steps) -> Array:
         """Return how far to step for differences, in z, where slopes have these norms."""
-        visible = self.observation.visible
+        visible, most = steps
         if not self.observation.summary:  # it has to stand out of the solver's own error
             visible *= self.experiment.tolerance**2
         visible = max(visible, self._rough)
-        most = self.first_step if self._rough else LARGEST_DIFFERENCE
+        most = self.first_step if self._rough else most
         return _on_grid(np.clip(visible / np.maximum(slopes, 1e-9), SMALLEST_DIFFERENCE, most))
 
     @property

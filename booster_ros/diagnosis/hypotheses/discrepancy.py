@@ -15,7 +15,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array, Experiment, Initial
 from booster_ros.diagnosis.estimation.fit import Fit
-from booster_ros.diagnosis.estimation.problem import LARGEST_DIFFERENCE, Problem
+from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.parametrisation import Free, put
 from booster_ros.model import discrepancy as term
 from booster_ros.model.catalogue import Knob
@@ -202,8 +202,8 @@ def linear_reach(problem: Problem, reference: Fit, one: Term) -> tuple[float, Pr
     jacobian = np.zeros((len(r), len(z)))  # a past has no slope while the table has none
     jacobian[:data, np.r_[:where, end:len(z)]] = reference.jacobian[:data]
     jacobian[data:, joint.known] = np.diag(1.0 / joint.sigma[joint.known])
-    jacobian[:, inner] = joint.differences(
-        z, r, inner, np.full(len(z), LARGEST_DIFFERENCE))  # beside it a table bends nowhere
+    longest = np.full(len(z), joint.observation.steps.most)  # beside it a table bends nowhere
+    jacobian[:, inner] = joint.differences(z, r, inner, longest)
     low, high = joint.bounds()
     move = straight(*np.linalg.qr(jacobian), r, (low - z, high - z))
     left = r + jacobian @ move
