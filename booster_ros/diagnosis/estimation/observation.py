@@ -180,5 +180,5 @@ WINDOWS = Observation(
     lambda windows: [windows.first, windows.first[windows.told]], Steps(100.0, 0.1),
     Steps(300.0, 0.3), summary=True)
 """Means and logarithms of variances of windows count; slips make them rough on short ways: one slip
-in another window is hundreds, and the next minimum over stiction some 0.1 away. Slopes that tell how
-sure a fit is are over several of both, or they are those of the one minimum that it ended in."""
+in another window is hundreds, and the next minimum over stiction some 0.1 away. Slopes that tell
+how sure a fit is are over several of both, else they are those of the minimum that it ended in."""
