@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+import functools
 import os
 from pathlib import Path
 from types import ModuleType
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from booster_ros.model import compiled
 from booster_ros.programs.ros_domain import claim_domain
 
 if TYPE_CHECKING:
@@ -42,6 +44,7 @@ WITH_NODES = {'rclpy', 'ros_client', 'ros_process', 'positioner_here', 'position
 """Modules by whose functions and classes tests start nodes."""
 
 
+@functools.cache
 def starts_nodes(module: ModuleType) -> bool:
     """Tell whether a file of tests takes anything from the modules that start nodes."""
     homes = (value.__name__ if isinstance(value, ModuleType) else getattr(value, '__module__', '')
@@ -69,6 +72,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker('ros' if starts_nodes(item.module) else 'unit')
     place = {name: number for number, name in enumerate(LONG)}
     items.sort(key=lambda item: place.get(item.path.stem, len(LONG)))
+
+
+def pytest_collection_finish() -> None:
+    """Refuse files that run the model as they are imported: all processes would compile it."""
+    if compiled.compiled_modules.cache_info().currsize:
+        raise pytest.UsageError('a file of tests runs the model while it is imported, and each of '
+                                'several processes would compile it; let a test or a fixture do it')
 
 
 @pytest.fixture(scope='session')

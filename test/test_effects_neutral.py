@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """An effect at its neutral value is no effect, and a vanishing one is next to none."""
 
+from functools import cache
+
 import numpy as np
 from positioner_runs import current_for, positioner, rows, settled_at
 import pytest
@@ -47,13 +49,15 @@ def is_in_loop(effect: str) -> bool:
     return EFFECTS[effect].location == 'position_controller'
 
 
-DECLARED, DECLARED_IN_LOOP = run({}), run_in_loop({})
+@cache
+def declared(in_loop: bool = False) -> Simulation:
+    return run_in_loop({}) if in_loop else run({})
 
 
 def distance(effect: str, share: float) -> float:
     """Return the largest change of an output, as a share of what it does in the test."""
-    play, still = (run_in_loop, DECLARED_IN_LOOP) if is_in_loop(effect) else (run, DECLARED)
-    other = play(sized(effect, share))
+    other = (run_in_loop if is_in_loop(effect) else run)(sized(effect, share))
+    still = declared(is_in_loop(effect))
     return max(
         float(np.abs(other[name] - still[name]).max() / np.ptp(still[name])) for name in OUTPUTS)
 
@@ -90,7 +94,7 @@ SHAPES = sorted({
 @pytest.mark.parametrize(('name', 'value'), SHAPES)
 def test_a_shape_means_nothing_while_the_size_is_neutral(name, value):
     changed = run({name: value})
-    for column, values in DECLARED.columns.items():
+    for column, values in declared().columns.items():
         assert np.array_equal(changed[column], values), column
 
 

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Effects of the sensors: they change what is read and nothing else."""
 
+from functools import cache
+
 import numpy as np
 from positioner_runs import (
     PAPER_CURRENT,
@@ -20,12 +22,16 @@ from booster_ros.model.simulation import simulate
 
 LEG = 30.0
 TIME, CURRENT = paper_test()
-DECLARED = simulate(positioner(), TIME, CURRENT)
 SENSOR_VALUES = {
     'sensors.pressure_bias': 2e3, 'sensors.pressure_span_error': 0.03, 'sensors.pressure_lag': 0.2,
     'sensors.position_bias': 3e-4, 'sensors.position_span_error': 0.03, 'sensors.position_lag': 0.1,
     'sensors.position_backlash': 2e-4,
 }
+
+
+@cache
+def declared():
+    return simulate(positioner(), TIME, CURRENT)
 
 
 def reading(values, name):
@@ -36,26 +42,26 @@ def reading(values, name):
 def test_a_sensor_changes_its_own_reading_and_nothing_else(name):
     run = simulate(positioner({name: SENSOR_VALUES[name]}), TIME, CURRENT)
     own = 'measured_chamber_pressure' if 'pressure' in name else 'measured_valve_position'
-    for column, values in DECLARED.columns.items():
+    for column, values in declared().columns.items():
         assert np.array_equal(run[column], values) == (column != own), column
 
 
 def test_ideal_sensors_read_the_truth():
     for name in ('chamber_pressure', 'valve_position'):
-        assert np.array_equal(DECLARED[f'measured_{name}'], DECLARED[name])
+        assert np.array_equal(declared()[f'measured_{name}'], declared()[name])
 
 
 def test_biases_are_there_in_every_state():
     pressure = reading({'sensors.pressure_bias': 2e3}, 'chamber_pressure')
-    assert pressure - DECLARED['chamber_pressure'] == pytest.approx(2e3, abs=1e-6)
+    assert pressure - declared()['chamber_pressure'] == pytest.approx(2e3, abs=1e-6)
     position = reading({'sensors.position_bias': -3e-4}, 'valve_position')
-    assert position - DECLARED['valve_position'] == pytest.approx(-3e-4, abs=1e-12)
+    assert position - declared()['valve_position'] == pytest.approx(-3e-4, abs=1e-12)
 
 
 @pytest.mark.parametrize('name', ['valve_position', 'chamber_pressure'])
 def test_a_span_error_grows_with_what_is_read(name):
     sensor = 'sensors.pressure_span_error' if 'pressure' in name else 'sensors.position_span_error'
-    assert reading({sensor: 0.03}, name) == pytest.approx(1.03 * DECLARED[name], rel=1e-12)
+    assert reading({sensor: 0.03}, name) == pytest.approx(1.03 * declared()[name], rel=1e-12)
 
 
 def test_what_is_behind_a_reading_is_found_again():
@@ -111,7 +117,7 @@ def test_a_tabulated_sensor_term_is_added_to_the_reading(location):
         'discrepancy.knots': list(np.linspace(0.0, high, 12)),
         'discrepancy.values': [size * k / 11.0 for k in range(12)],
     }
-    true = DECLARED[name]
+    true = declared()[name]
     inside = (true >= 0.0) & (true <= high)
     added = reading(values, name) - true
     assert added == pytest.approx(np.where(inside, size * true / high, 0.0), abs=1e-6 * size)
@@ -122,4 +128,4 @@ def test_a_tabulated_sensor_term_is_added_to_the_reading(location):
 def test_the_paper_current_moves_both_readings():
     """What the cases above rest on."""
     assert CURRENT.max() == PAPER_CURRENT
-    assert np.ptp(DECLARED['valve_position']) > 0.012
+    assert np.ptp(declared()['valve_position']) > 0.012
