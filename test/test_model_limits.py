@@ -175,7 +175,7 @@ def test_machine_code_and_plain_python_end_at_the_same_row(values, monkeypatch):
     current = np.where(time < 0.5, 4e-4, 4.6e-4)
     machine = simulate(from_values(values), time, current)
     # after machine code, into which the limit is compiled: what never ends does not take longer
-    monkeypatch.setattr(solver, 'MOST_STEPS', solver.MOST_STEPS // 10)
+    monkeypatch.setattr(solver, 'MOST_STEPS', solver.MOST_STEPS // 4)
     plain = simulate(from_values(values), time, current, compiled=False)
     for name, column in machine.columns.items():
         # `max` hides a NaN of machine code within a step; where there is a solution is the same
