@@ -6,8 +6,7 @@ from dataclasses import replace
 import re
 
 from made_diagnosis import (
-    MADE, diagnosis_of, friction_found, friction_judged, nothing_found, swept_columns,
-    timed_columns)
+    MADE, diagnosis_of, friction_found, friction_judged, nothing_found, timed_columns)
 from made_report import FROM, Page, made_page
 import numpy as np
 import pytest
@@ -141,7 +140,7 @@ def page_of(columns):
 @pytest.fixture(scope='module')
 def page_of_timed():
     """Return the text of the page on a record that nothing is the matter with."""
-    return page_of(timed_columns(seconds=30.0))
+    return Page(made_page('none')).text
 
 
 def test_a_page_says_of_a_drive_whether_it_was_measured(page_of_timed):
@@ -150,7 +149,7 @@ def test_a_page_says_of_a_drive_whether_it_was_measured(page_of_timed):
     supply = np.full(len(columns['time']), 400e3)
     assert 'Driven by the control current and the measured supply pressure; compared' in page_of(
         columns | {'supply_pressure': supply})
-    assert 'Driven by the measured chamber pressure; compared' in page_of(swept_columns())
+    assert 'Driven by the measured chamber pressure; compared' in Page(made_page('sweep')).text
     whole = nothing_found().experiment
     isolated = replace(whole, current=np.zeros(len(whole.time)))
     assert 'Driven by nothing: the chamber is shut off, as declared; compared' in Page(
