@@ -58,8 +58,8 @@ def test_each_effect_shows_in_a_loop(kind, held):
 
 
 def test_a_leak_that_a_loop_makes_up_for_is_enlarged_until_it_shows(monkeypatch):
-    monkeypatch.setattr(loop, 'SECONDS', {'fit': 20.0, 'val': 5.0})
-    monkeypatch.setattr(loop, 'WARM_UP_SECONDS', 8.0)
+    monkeypatch.setattr(loop, 'SECONDS', {'fit': 10.0, 'val': 5.0})
+    monkeypatch.setattr(loop, 'WARM_UP_SECONDS', 4.0)
     drawn_so = LoopCase('leak', INTEGRATING, (('chamber_leak', 1e-7),), seed=4)
     case = shown(drawn_so)
     (_, size), = case.effects
