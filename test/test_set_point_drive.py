@@ -100,7 +100,7 @@ def test_slow_rows_ask_for_what_they_tell_and_say_what_they_hide():
 
 
 def test_a_slew_limit_is_found_in_rows_of_a_second():
-    experiment = prepared(apart=1.0, seconds=100.0, more=(), rate_limit_up=2.4e-3,
+    experiment = prepared(apart=1.0, seconds=60.0, more=(), rate_limit_up=2.4e-3,
                           rate_limit_down=0.8e-3)
     found = diagnose(experiment, DECLARED, names=('slew_limit',))
     assert [effect.name for effect in found.effects] == ['slew_limit']
