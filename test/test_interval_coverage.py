@@ -115,7 +115,7 @@ def test_an_interval_counts_as_held_where_it_holds_what_was_put_in(monkeypatch):
 
 @pytest.mark.usefixtures('short_records')
 def test_a_level_is_relative_to_what_the_noise_is(monkeypatch):
-    monkeypatch.setattr(valves, 'SECONDS', 50.0)
+    monkeypatch.setattr(valves, 'SECONDS', 30.0)
     assert levels(Drawn('', 0.0, 1, 'stairs')) == pytest.approx((1.0, 1.0), abs=0.1)
     assert levels(Drawn('', 0.9, 1, 'sines')) == pytest.approx((1.0, 1.0), abs=0.3)
     assert max(levels(Drawn('', 0.9, 1, 'hops'))) < 0.5  # taken as white
