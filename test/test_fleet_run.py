@@ -71,8 +71,8 @@ def plant(tmp_path_factory):
     return manifest, folder / 'out', fleet(manifest, folder / 'out', '--jobs', '2')
 
 
-def table_of(out):
-    return pd.read_csv(out / 'fleet.csv', keep_default_na=False).set_index('valve')
+def table_of(out, dtype=None):
+    return pd.read_csv(out / 'fleet.csv', keep_default_na=False, dtype=dtype).set_index('valve')
 
 
 def test_one_bad_record_does_not_stop_the_rest(plant):
@@ -101,19 +101,19 @@ def test_only_what_has_changed_is_diagnosed_again(plant):
                       for name in before}
 
 
-def test_a_scheduler_with_two_workers_gives_the_same_to_the_last_digit(plant, tmp_path):
+def test_a_worker_of_a_scheduler_gives_the_same_to_the_last_digit(plant, tmp_path):
     manifest, out, _ = plant
-    lines = manifest.read_text().splitlines(keepends=True)
-    two = manifest.with_name('two.csv')
-    two.write_text(''.join(line for line in lines if 'FV-2' not in line and 'FV-4' not in line))
-    with scheduler(tmp_path, 2) as address:
-        fleet(two, tmp_path / 'out', '--scheduler', address)
+    head, *lines = manifest.read_text().splitlines(keepends=True)
+    one = manifest.with_name('one.csv')
+    one.write_text(head + ''.join(line for line in lines if line.startswith('FV-3,')))
+    with scheduler(tmp_path, 1) as address:
+        fleet(one, tmp_path / 'out', '--scheduler', address)
     for name in ('report.json', 'report.html', 'positioner.yaml', 'positioner_before.yaml'):
         one, other = (folder / 'valves' / 'FV-3' / name for folder in (out, tmp_path / 'out'))
         assert one.read_bytes() == other.read_bytes()
     columns = ['seconds', 'cpu_seconds', 'message']
-    pd.testing.assert_frame_equal(table_of(out).drop(['FV-2', 'FV-4']).drop(columns=columns),
-                                  table_of(tmp_path / 'out').drop(columns=columns))
+    pd.testing.assert_frame_equal(table_of(out, str).loc[['FV-3']].drop(columns=columns),
+                                  table_of(tmp_path / 'out', str).drop(columns=columns))
 
 
 def test_no_scheduler_at_an_address_is_one_sentence(tmp_path):
