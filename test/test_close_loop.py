@@ -26,6 +26,7 @@ from booster_ros.programs import close_loop as program
 from booster_ros.programs.interruption import ignore_interruptions, kept_interruption
 from booster_ros.programs.progress_bar import ProgressBar
 from booster_ros.records import CsvWriter, RecordError
+from booster_ros.report import html_report
 
 COMMAND = (sys.executable, '-m', 'booster_ros', 'close_loop')
 INTERRUPTED_AS_A_THREAD_STARTS = """
@@ -395,13 +396,13 @@ def test_of_the_files_of_a_result_none_is_new_where_one_cannot_be_replaced(
     out.mkdir()
     for name in WRITTEN - {'positioner_before.yaml'}:
         (out / name).write_text('earlier')
-    page = program.html_page
+    page = html_report.html_page
 
     def page_and_a_folder(*given):
         (out / 'positioner_before.yaml').mkdir()
         return page(*given)
 
-    monkeypatch.setattr(program, 'html_page', page_and_a_folder)
+    monkeypatch.setattr(html_report, 'html_page', page_and_a_folder)
     status = program.main(['--record', str(record), '--params', str(declared), '--out', str(out)])
     assert status == 2
     assert capsys.readouterr().err.splitlines()[-1].startswith(f'close_loop: {out}')
