@@ -6,9 +6,12 @@ from functools import cache
 from html.parser import HTMLParser
 import json
 import re
+from unittest import mock
 
 from made_diagnosis import MADE
 
+from booster_ros.diagnosis.result import Diagnosis
+from booster_ros.report import html_report
 from booster_ros.report.html_report import html_page
 from booster_ros.report.provenance import Provenance
 
@@ -20,6 +23,12 @@ VOID = {'meta', 'link', 'br', 'img', 'input', 'hr'}
 def made_page(name: str) -> str:
     """Return the page of the diagnosis that is made under this name."""
     return html_page(MADE[name](), FROM)
+
+
+def undrawn_page(diagnosis: Diagnosis, provenance: Provenance = FROM) -> str:
+    """Return the page of a diagnosis without what Matplotlib draws, most of a page's time."""
+    with mock.patch.object(html_report, 'svg', return_value=''):
+        return html_page(diagnosis, provenance)
 
 
 def drawn_texts(part):

@@ -7,7 +7,7 @@ import re
 
 from made_diagnosis import (
     MADE, diagnosis_of, friction_found, friction_judged, nothing_found, timed_columns)
-from made_report import FROM, Page, made_page
+from made_report import FROM, Page, made_page, undrawn_page
 import numpy as np
 import pytest
 
@@ -108,7 +108,7 @@ def test_a_page_says_what_chance_changes_where_it_does():
     found = friction_found()
     effect, = found.effects
     lucky = replace(found, effects=(replace(effect, evidence=effect.evidence | {'luck': 12.5}),))
-    assert 'Chance alone changes it by 12.5' in Page(html_page(lucky, FROM)).text
+    assert 'Chance alone changes it by 12.5' in Page(undrawn_page(lucky)).text
     assert 'Chance alone' not in Page(made_page('effect')).text
 
 
@@ -134,7 +134,7 @@ def test_a_sweep_is_not_drawn_over_a_time_that_it_does_not_have():
 
 def page_of(columns):
     """Return the text of the page on a record of these columns."""
-    return Page(html_page(diagnosis_of(columns, 'none'), FROM)).text
+    return Page(undrawn_page(diagnosis_of(columns, 'none'))).text
 
 
 @pytest.fixture(scope='module')
@@ -153,7 +153,7 @@ def test_a_page_says_of_a_drive_whether_it_was_measured(page_of_timed):
     whole = nothing_found().experiment
     isolated = replace(whole, current=np.zeros(len(whole.time)))
     assert 'Driven by nothing: the chamber is shut off, as declared; compared' in Page(
-        html_page(replace(nothing_found(), experiment=isolated), FROM)).text
+        undrawn_page(replace(nothing_found(), experiment=isolated))).text
 
 
 def test_a_page_says_where_the_noise_is_from(page_of_timed):
@@ -178,5 +178,5 @@ def test_a_page_is_the_same_when_made_again():
 
 
 def test_a_name_of_a_file_cannot_break_the_page():
-    text = html_page(nothing_found(), Provenance('<b>&"$x.csv', 'p$.yaml'))
+    text = undrawn_page(nothing_found(), Provenance('<b>&"$x.csv', 'p$.yaml'))
     assert '<b>&"$x.csv explained by p$.yaml' in Page(text).texts

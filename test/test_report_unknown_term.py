@@ -6,7 +6,7 @@ from dataclasses import replace
 import json
 
 from made_diagnosis import BENT, DECLARED, refused_found, unknown_found
-from made_report import FROM, Page, made_page
+from made_report import FROM, Page, made_page, undrawn_page
 import numpy as np
 import pytest
 
@@ -67,7 +67,7 @@ def test_which_way_a_term_counts_is_said_as_the_model_takes_it(location):
 def test_an_unnamed_term_over_time_is_not_to_be_varied():
     diagnosis = unknown_found()
     term = diagnosis.unknown._replace(variable=discrepancy.TIME)
-    page = Page(html_page(replace(diagnosis, unknown=term), FROM))
+    page = Page(undrawn_page(replace(diagnosis, unknown=term)))
     assert 'record the same currents again' in page.text
     assert 'vary the time' not in page.text
     elsewhere = 'and the model is the declared one, refitted'
@@ -159,7 +159,7 @@ def test_a_term_that_explains_too_little_is_said_to_do_so():
             'little of what is missing: it is not in the model.') in said
     assert 'speak against it' not in said
     assert 'That the stem is the place is a guess.' in said
-    assert 'comes nearest, but explains too little' in html_page(diagnosis, FROM)
+    assert 'comes nearest, but explains too little' in undrawn_page(diagnosis)
     assert json.loads(json_text(diagnosis, FROM))['refused']['error'] is None
 
 
@@ -170,7 +170,7 @@ def test_terms_that_do_as_well_are_said():
     rivalled = replace(found, effects=(effect,))
     said = 'A term in supply over time explains this record as well.'
     assert said in verdict_sentences(rivalled)
-    assert said in html_page(rivalled, FROM)
+    assert said in undrawn_page(rivalled)
 
 
 def test_a_declared_term_that_gave_way_to_another_is_named():

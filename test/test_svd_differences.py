@@ -5,6 +5,7 @@
 from dataclasses import replace
 
 from made_diagnosis import diagnosis_of, timed_columns
+from made_report import undrawn_page
 import made_task
 from made_task import P, START_PRESSURE
 import numpy as np
@@ -19,12 +20,9 @@ from booster_ros.diagnosis.result import FoundEffect
 from booster_ros.diagnosis.hypotheses.compose import with_effect
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.simulation import simulate
-from booster_ros.report.html_report import html_page
-from booster_ros.report.provenance import Provenance
 from booster_ros.report.notes import either
 
 TIME, CURRENT = made_task.TIME[::2], made_task.CURRENT[::2]
-FROM = Provenance('valve.csv', 'positioner.yaml')
 NAMES = ('ep_converter.offset', 'booster.intake_preload', 'booster.exhaust_preload')
 NOISE = {'chamber_pressure': 5.0, 'valve_position': 1e-7}
 """As little as any channel is held to have."""
@@ -178,6 +176,6 @@ def test_sizes_of_which_each_may_be_none_are_said_to_be_known_together(lowest, s
 def test_the_page_says_it_below_their_intervals():
     parameters = {name: Interval(0.03, 0.0, 0.06, 'N') for name in NAMES[1:]}
     found = FoundEffect('booster_dead_band', 'booster', parameters, (), '', {})
-    page = html_page(diagnosis_of(timed_columns(seconds=30.0), 'effect', effects=(found,)), FROM)
+    page = undrawn_page(diagnosis_of(timed_columns(seconds=30.0), 'effect', effects=(found,)))
     added = page[page.index('What was added'):]
     assert 0 < added.index('0 to 0.0600') < added.index('each may be none, but not all')
