@@ -141,12 +141,7 @@ class Windows:
 
 
 class Steps(NamedTuple):
-    """
-    How long differences are, in z.
-
-    `change` is that of the residuals (norm) that has to show above their roughness, `most` the
-    longest step.
-    """
+    """Length of differences in z: they change residuals by `change` (norm), or are `most`."""
 
     change: float
     most: float

@@ -31,6 +31,7 @@ from booster_ros.diagnosis.prepare.rows import DWELL_FILLED, check_length
 from booster_ros.model.gas import ATMOSPHERE
 from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
+from booster_ros.signals.rank_correlation import rank_correlation
 
 Pair = tuple[Experiment, Experiment, str]
 Supposition = Callable[[Experiment, PositionerParameters], Iterator[Pair]]
@@ -164,7 +165,7 @@ def _reversed_current(experiment: Experiment, declared: PositionerParameters) ->
     measured, current = experiment.measured[name], experiment.current
     rows = np.isfinite(measured)
     both = current[rows], measured[rows]
-    if min(map(np.ptp, both)) == 0.0 or _rank_correlation(*both) >= 0.0:
+    if min(map(np.ptp, both)) == 0.0 or rank_correlation(*both) >= 0.0:
         return
     full = declared.supply.pressure / declared.ep_converter.gain
 
@@ -185,15 +186,6 @@ def _reversed_current(experiment: Experiment, declared: PositionerParameters) ->
         'control_current: the declared model moves as measured with '
         f'{least + np.max(current):.4g} A less the current: the converter is reverse-acting, or '
         'the wires are swapped; convert the column to the current of a direct-acting one')
-
-
-def _rank_correlation(x: Array, y: Array) -> float:
-    """Return Spearman's coefficient; values that are equal share the mean of their ranks."""
-    ranks = []
-    for values in (x, y):
-        _, place, count = np.unique(values, return_inverse=True, return_counts=True)
-        ranks.append((np.cumsum(count) - 0.5 * count)[place])
-    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
 
 
 def _reversed_position(experiment: Experiment, declared: PositionerParameters) -> Iterator[Pair]:

@@ -35,6 +35,7 @@ from booster_ros.diagnosis.hypotheses.friction import can_be
 from booster_ros.diagnosis.selection.decide import TIE
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.numerics.least_squares import straight
+from booster_ros.signals.periodogram import periodogram
 
 SIZES = (0.25, 1.0, 3.0)
 """Multiples of the typical size that are tried; both signs where the effect has two."""
@@ -139,11 +140,7 @@ def strong_frequencies(problem: Problem, z: Array) -> Array:
     residual = np.where(problem.rows, problem.experiment.measured[name] - predicted[name], 0.0)
     even = np.linspace(time[0], time[-1], len(time))  # thinned rows are dense where steps are
     residual = np.interp(even, time, np.nan_to_num(residual))
-    residual -= np.polyval(np.polyfit(even, residual, 1), even)
-    # zeros behind it give frequencies in between; numpy.hanning takes its last row for the first
-    spectrum = np.fft.rfft(np.hanning(len(time) + 1)[:-1] * residual, PADDING * len(time))
-    frequency = np.fft.rfftfreq(PADDING * len(time), even[1] - even[0])
-    power = np.abs(spectrum)**2
+    frequency, power = periodogram(residual, even[1] - even[0], PADDING)
     lines = np.maximum(power - ABOVE_NOISE * float(np.median(power)), 0.0)
     lines[(frequency < 0.02) | (frequency > 15.0)] = 0.0
     # a chamber that fills in seconds damps fast ripple: weigh the residual by its rate
