@@ -87,8 +87,8 @@ def test_solves_the_declared_equations():
             method='LSODA',
             t_eval=time,
             args=(current,),
-            rtol=1e-9,
-            atol=[1e-2, 1e-2, 1e-10, 1e-8],
+            rtol=1e-7,
+            atol=[1.0, 1.0, 1e-8, 1e-6],
         )
         reference.append(solution.y[:, :-1])
         state, start = solution.y[:, -1], time[-1]
