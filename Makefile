@@ -29,12 +29,11 @@ demo:
 	@$(PYTHON) scripts/prepare_environment.py run
 	@$(VENV_PYTHON) -m booster_ros demo
 
-# Three workers, as tests of nodes wait much of their time, and two cores are usual.
 # A worker that dies ends the run: pytest-xdist may wait for ever for the rest of its file.
 # flake8 and pep257 are what `colcon test` runs beside these; ruff has their rules, and takes a second.
 test:
 	@$(PYTHON) scripts/prepare_environment.py test
-	@$(VENV_PYTHON) -m pytest -n 3 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
+	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
 	  -m 'not campaign and not flake8 and not pep257'
 
 # The peers live in an environment of their own; the node is measured in the one that runs it.
