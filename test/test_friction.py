@@ -14,7 +14,7 @@ from booster_ros.diagnosis.estimation.profile import bounded_cost, profiled
 from booster_ros.diagnosis.hypotheses.friction import friction_starts, over_minima
 from booster_ros.model.catalogue import Knob
 
-TIME, CURRENT = RAMPS_TIME[:650], RAMPS[:650]
+TIME, CURRENT = RAMPS_TIME[:900], RAMPS[:900]
 
 
 def rubbing(sliding, stiction, effect='stem_friction', **others):
