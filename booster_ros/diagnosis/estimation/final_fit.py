@@ -19,7 +19,7 @@ from scipy.optimize import lsq_linear
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.parallel import side_by_side
-from booster_ros.diagnosis.estimation.parametrisation import Free, put
+from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
 from booster_ros.numerics.least_squares import SETTLED
@@ -72,31 +72,32 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     As a size may lie where nothing more changes, such as that of a seat so wide that it is never
     fully open, the model without it is run before.
     """
-    z, seen, back = found.z, found.seen, []
+    z, seen = found.z, found.seen
     for j, free in enumerate(problem.freedoms):
-        if not _of_effect(free) or z[j] == free.without_size or (
-                seen[j] and not free.knob.shape):
+        if not free.of_effect or (seen[j] and not free.knob.shape):
             continue
         without = z.copy()
         without[j] = free.without_size
         if problem.cost(without) < found.cost + NOTICEABLE:
             z = without
-            back.append(j)
-    return _fitted_beside(problem, z, found.jacobian, back) if back else found
+    return found if np.array_equal(z, found.z) else _fitted_beside(problem, z, found.jacobian)
 
 
-def _of_effect(free: Free) -> bool:
-    return not free.as_given and not np.isfinite(free.sigma)
+def _put_back(problem: Problem, z: Array) -> list[int]:
+    """Return the variables of effects that are none or typical at z: they stay so."""
+    return [j for j, free in enumerate(problem.freedoms)
+            if free.of_effect and z[j] == free.without_size]
 
 
-def _fitted_beside(problem: Problem, z: Array, slopes: Array, held: list[int]) -> Fit:
-    """Return the fit of all variables but those that are held where they are at z."""
-    base, others = problem.base, np.setdiff1d(np.arange(len(z)), held)
-    for free, variable in ((problem.freedoms[j], z[j]) for j in held):
-        base = put(base, free.knob.parameter, free.value(variable), free.element)
-    free_others = tuple(free for j, free in enumerate(problem.freedoms) if j not in held)
+def _fitted_beside(problem: Problem, z: Array, slopes: Array) -> Fit:
+    """Return the fit of all variables but those that have been put back."""
+    held, base = _put_back(problem, z), problem.base
+    for free in (problem.freedoms[j] for j in held):
+        base = put(base, free.knob.parameter, free.value(free.without_size), free.element)
+    others = np.setdiff1d(np.arange(len(z)), held)
     if len(others):
-        beside = replace(problem, base=base, freedoms=free_others)
+        beside = replace(problem, base=base, freedoms=tuple(
+            free for j, free in enumerate(problem.freedoms) if j not in held))
         z = z.copy()
         z[others] = fit(beside, [z[others]], tolerance=SETTLED, slopes=slopes[:, others]).z
     return fit_at(problem, z, slopes)
@@ -151,13 +152,12 @@ def at_the_bottom(problem: Problem, found: Fit) -> Fit:
     """
     Return the fit with `slopes_along_axes`, a Gauss-Newton step further if that is better.
 
-    A size that is none stays so.
+    What has been put back stays so.
     """
     slopes = slopes_along_axes(problem, found.z, found.residuals, found.jacobian)
     room = np.array(problem.bounds()) - found.z
-    some = [j for j in range(len(found.z)) if found.z[j] or j >= len(problem.freedoms)
-            or not _of_effect(problem.freedoms[j])]
+    others = np.setdiff1d(np.arange(len(found.z)), _put_back(problem, found.z))
     step = np.zeros(len(found.z))
-    step[some] = lsq_linear(slopes[:, some], -found.residuals, room[:, some]).x
+    step[others] = lsq_linear(slopes[:, others], -found.residuals, room[:, others]).x
     further = fit_at(problem, found.z + step, slopes)
     return further if further.cost < found.cost else replace(found, jacobian=slopes)

@@ -91,9 +91,5 @@ def nominal(problem: Problem, z: Array) -> Array:
 
     Those had imitated an effect before it was in the model, and come back only in tiny steps.
     """
-    fresh = z.copy()
-    fresh[len(problem.freedoms):] = 0.0
-    for j, free in enumerate(problem.freedoms):
-        if np.isfinite(free.sigma) or free.as_given:
-            fresh[j] = 0.0
-    return fresh
+    kept = [free.of_effect for free in problem.freedoms] + [False] * problem.nuisances
+    return np.where(kept, z, 0.0)

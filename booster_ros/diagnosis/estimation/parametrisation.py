@@ -57,6 +57,11 @@ class Free:
         declared = np.isfinite(self.sigma) and not self.knob.parameter.startswith('discrepancy.')
         return bool(declared) or self.knob.parameter in BENCH
 
+    @property
+    def of_effect(self) -> bool:
+        """Whether it is a size or shape of an effect, of which nothing is known beforehand."""
+        return not self.as_given and not np.isfinite(self.sigma)
+
     def prior_deviation(self, z: float) -> float:
         """
         Return the standard deviation of z before anything is seen, for the evidence at z.
