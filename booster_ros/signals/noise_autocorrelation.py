@@ -71,12 +71,10 @@ class Noise:
 
     def added_to(self, signal: Array, rng: np.random.Generator) -> Array:
         """Return the signal, shape (n,), with a draw of this noise, rounded as it was recorded."""
-        from scipy.signal import lfilter  # takes a second to import
-
         level = np.sqrt(max(self.level**2 - self.resolution**2 / 12.0, 0.0))
         white = rng.standard_normal(len(signal))
         white[1:] *= np.sqrt(1.0 - self.correlation**2)
-        noisy = signal + level * lfilter([1.0], [1.0, -self.correlation], white)
+        noisy = signal + level * _carried_over(white, self.correlation)
         if self.resolution > 0.0:
             noisy = self.resolution * np.round(noisy / self.resolution)
         return np.asarray(noisy)
@@ -156,8 +154,15 @@ def _excess_kurtosis(values: Array) -> float:
 def _drawn(coefficient: float, curves: Array) -> Array:
     """Return drawn pieces of noise of variance 1 and this colour, less their curves."""
     rows = len(curves)
-    drawn = np.sqrt(1.0 - coefficient**2) * np.random.default_rng(1).standard_normal(
-        (DRAWN, 2 * rows))
-    for row in range(1, 2 * rows):
-        drawn[:, row] += coefficient * drawn[:, row - 1]
+    drawn = _carried_over(np.sqrt(1.0 - coefficient**2) * np.random.default_rng(1).standard_normal(
+        (DRAWN, 2 * rows)), coefficient)
     return without(drawn[:, rows:], curves)
+
+
+def _carried_over(new: Array, coefficient: float) -> Array:
+    """Return what is new in each row with that share of the row before, shape (..., rows)."""
+    # scipy.signal's filter takes a second to import
+    noise = np.array(new)
+    for row in range(1, noise.shape[-1]):
+        noise[..., row] += coefficient * noise[..., row - 1]
+    return noise
