@@ -33,7 +33,10 @@ from booster_ros.model.system import PositionerParameters
 from booster_ros.records import RecordError
 from booster_ros.signals.rank_correlation import rank_correlation
 
-Pair = tuple[Experiment, Experiment, str]
+Moves = tuple[dict[str, Array], dict[str, Array]]
+"""What was measured and what the declared model predicts."""
+
+Pair = tuple[Moves, Moves, str]
 Supposition = Callable[[Experiment, PositionerParameters], Iterator[Pair]]
 
 EXPLAINED = 0.3
@@ -57,17 +60,22 @@ FEW = 400
 are not run through."""
 
 
-def is_otherwise(recorded: Experiment, taken: Experiment, declared: PositionerParameters) -> bool:
+def moves(experiment: Experiment, declared: PositionerParameters) -> Moves:
+    """Return what was measured and what the declared model predicts."""
+    return experiment.measured, experiment.predict(declared)
+
+
+def is_otherwise(recorded: Moves, taken: Moves) -> bool:
     """
     Tell whether the declared model misses a record far less if it is taken otherwise.
 
     Errors are summed over channels, each as a share of how much the channel moves at the most,
     measured or predicted: as a share of what a dead sensor does it would outweigh all else.
     """
-    both = [(one.measured, one.predict(declared)) for one in (recorded, taken)]
+    both = recorded, taken
     sizes = {name: max(SMALLEST, *(
         float(np.nanstd(values[name])) for one in both for values in one))
-             for name, measured in recorded.measured.items() if len(known(measured))}
+             for name, measured in recorded[0].items() if len(known(measured))}
     before, after = (sum(
         rmse(measured[name], predicted[name], np.ones(len(measured[name]), dtype=bool)) / size
         for name, size in sizes.items()) for measured, predicted in both)
@@ -79,7 +87,7 @@ def check_taken_otherwise(experiment: Experiment, declared: PositionerParameters
     """Raise RecordError where the declared model moves as measured under a supposition."""
     def check(supposition: Supposition) -> None:
         for recorded, taken, said in supposition(experiment, declared):
-            if is_otherwise(recorded, taken, declared):
+            if is_otherwise(recorded, taken):
                 raise RecordError(f'{source}, column {said}')
 
     check(_another_unit_of_time)
@@ -96,7 +104,8 @@ def _another_unit_of_time(experiment: Experiment, declared: PositionerParameters
     as_given = _closer(experiment) if step > DWELL_FILLED else experiment
     for unit, seconds in SECONDS.items():
         if USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]:
-            yield as_given, replace(experiment, time=seconds * experiment.time), (
+            in_unit = replace(experiment, time=seconds * experiment.time)
+            yield moves(as_given, declared), moves(in_unit, declared), (
                 f'time: rows {step:.3g} s apart do not suit the declared model, which moves as '
                 f'measured if they are {step:.3g} {unit} apart: convert the column to seconds')
 
@@ -131,7 +140,8 @@ def _in_mbar(experiment: Experiment, declared: PositionerParameters) -> Iterator
     small = [name for name, reached in most.items()
              if 0.0 < reached < LITTLE * declared.supply.pressure]
     if small:
-        yield experiment, _with_pressures(experiment, small, 100.0, 0.0), (
+        in_pascal = _with_pressures(experiment, small, 100.0, 0.0)
+        yield moves(experiment, declared), moves(in_pascal, declared), (
             f'{" and ".join(small)}: never exceeds {max(most[name] for name in small):.4g} Pa, and '
             'the declared model moves as measured with a hundred times as much: convert to Pa, '
             'gauge (from mbar: times 100)')
@@ -142,7 +152,8 @@ def _absolute(experiment: Experiment, declared: PositionerParameters) -> Iterato
             if np.min(values) > (1.0 - LITTLE) * ATMOSPHERE]
     for names in itertools.chain(*(
             itertools.combinations(high, n) for n in range(1, len(high) + 1))):
-        yield experiment, _with_pressures(experiment, names, 1.0, ATMOSPHERE), (
+        gauge = _with_pressures(experiment, names, 1.0, ATMOSPHERE)
+        yield moves(experiment, declared), moves(gauge, declared), (
             f'{" and ".join(names)}: the declared model moves as measured with an atmosphere '
             'less, which looks like absolute pressure: subtract that of the atmosphere')
 
@@ -152,7 +163,8 @@ def _another_supply(experiment: Experiment, declared: PositionerParameters) -> I
     supply = np.max(others.pop('supply_pressure', np.inf))
     chamber = known(experiment.measured.get('chamber_pressure', np.empty(0)))
     if not experiment.quasi_static and np.max(chamber, initial=0.0) > supply:
-        yield experiment, replace(experiment, pinned=others), (
+        fed = replace(experiment, pinned=others)
+        yield moves(experiment, declared), moves(fed, declared), (
             f'supply_pressure: never exceeds {supply:.4g} Pa, and the declared model moves as '
             f'measured with {declared.supply.pressure:.4g} Pa: it is not what fed the booster; '
             'correct the column, or leave it out')
@@ -182,7 +194,7 @@ def _reversed_current(experiment: Experiment, declared: PositionerParameters) ->
 
     # both from where suits best: a level that is off is no reason to turn what moves
     least, reversed_so = counted(-1.0)
-    yield counted(1.0)[1], reversed_so, (
+    yield moves(counted(1.0)[1], declared), moves(reversed_so, declared), (
         'control_current: the declared model moves as measured with '
         f'{least + np.max(current):.4g} A less the current: the converter is reverse-acting, or '
         'the wires are swapped; convert the column to the current of a direct-acting one')
@@ -192,13 +204,13 @@ def _reversed_position(experiment: Experiment, declared: PositionerParameters) -
     position = experiment.measured.get('valve_position', np.empty(0))
     if not len(known(position)):
         return
-    alone = driven(experiment)
-    predicted = alone.predict(declared)['valve_position'][np.isfinite(position)]
+    predicted = driven(experiment).predict(declared)
+    there = predicted['valve_position'][np.isfinite(position)]
 
-    def counted(way: float) -> Experiment:
+    def counted(way: float) -> Moves:
         """Return the record with its position that way up, from wherever suits the model best."""
-        return replace(alone, measured={'valve_position': way * position + float(
-            np.mean(predicted - way * known(position)))})
+        off = float(np.mean(there - way * known(position)))
+        return {'valve_position': way * position + off}, predicted
 
     yield counted(1.0), counted(-1.0), (
         'valve_position: falls where the declared model opens: reverse its sign, or, for a valve '

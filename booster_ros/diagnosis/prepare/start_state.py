@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from booster_ros.diagnosis.data.experiment import FEWEST, Array, Experiment, Initial
-from booster_ros.diagnosis.prepare.otherwise import is_otherwise
+from booster_ros.diagnosis.prepare.otherwise import is_otherwise, moves
 from booster_ros.diagnosis.prepare.plausibility import LITTLE
 from booster_ros.model.ep_converter import settled_back_pressure
 from booster_ros.model.memory import Departure
@@ -68,7 +68,7 @@ def with_start_of_converter(experiment: Experiment, declared: PositionerParamete
     taken = started(found.x)
     held = _settled_pressure({**first.pinned, 'control_current': first.current}, declared)
     unsettled = abs(held - first.initial.chamber_pressure) > LITTLE * supply
-    if not (unsettled or is_otherwise(first, taken, declared)):
+    if not (unsettled or is_otherwise(moves(first, declared), moves(taken, declared))):
         return experiment
     return replace(
         experiment, initial=replace(taken.initial, unsettled=unsettled), notes=(
