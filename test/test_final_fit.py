@@ -11,7 +11,7 @@ import pytest
 
 from booster_ros.diagnosis.estimation import final_fit as last_fit
 from booster_ros.diagnosis.estimation.final_fit import (
-    at_the_bottom, final_fit, without_unseen)
+    at_the_bottom, called_for, final_fit, without_unseen)
 from booster_ros.diagnosis.estimation.fit import fit_at
 from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap, interval_of
@@ -56,29 +56,61 @@ def test_what_had_made_up_for_a_size_that_is_not_shown_goes_on_without_it():
 
 
 @pytest.mark.parametrize(('costs', 'left', 'begun'), [
-    ((500.0, 100.0, 99.0, 10.0), 99.0, 3),  # the last gained too little to go on
-    ((500.0, 600.0, 10.0), 500.0, 2),
-    ((500.0, 400.0, 300.0, 200.0, 100.0), 200.0, 4)])
-def test_a_descent_over_slips_is_begun_anew_while_that_pays(costs, left, begun, monkeypatch):
+    ((500.0, 400.0, 300.0, 299.5, 299.4, 299.3, 299.2), 299.2, 7),  # the last round gained too little
+    ((500.0, 600.0, 600.0, 600.0), 500.0, 4),
+    ((500.0, 400.0, 450.0, 450.0, 399.8, 450.0, 450.0), 399.8, 7)])
+def test_slopes_grow_finer_over_slips_again_and_again_while_that_pays(
+        costs, left, begun, monkeypatch):
     problem = problem_of(seen(P), 'stem_friction')
-    ends, starts = iter(costs), []
+    ends, starts, changes = iter(costs), [], []
 
-    def descended(_, several):
-        starts.append([one.copy() for one in several])
+    def descended(one, several, **_):
+        starts.append([float(each[0]) for each in several])
+        changes.append(one.observation.steps.change)
         return SimpleNamespace(cost=next(ends), z=np.full(len(several[0]), len(starts)))
 
     monkeypatch.setattr(last_fit, 'fit', descended)
     z = np.full(len(problem.start()), 0.5)
-    assert last_fit._over_slips(problem, z).cost == left
+    assert last_fit._descended(problem, [z]).cost == left
     assert len(starts) == begun
-    assert starts[1][0][0] == 1  # where the first ended
-    first, as_given = starts[0]
-    assert np.array_equal(first, z)
-    friction = place_of(problem, 'actuator.coulomb_friction')
-    assert np.array_equal(as_given[friction:len(problem.freedoms)],
-                          z[friction:len(problem.freedoms)])
-    assert not as_given[:friction].any()  # the declared parameters
-    assert not as_given[len(problem.freedoms):].any()  # and the start
+    assert starts[:2] == [[0.5], [1.0]]  # the second where the first ended
+    ends_so_far = np.array(costs[:begun])
+    assert [one for one, in starts[1:]] == [
+        1.0 + np.argmin(ends_so_far[:k]) for k in range(1, begun)]  # where the least was left
+    assert changes == [100.0, *(30.0, 10.0, 3.0) * (begun // 3)]
+
+
+def test_fits_of_friction_end_together_wherever_they_begin():
+    """By slopes over several slips alone, they end up to 30 N apart."""
+    plant = P._replace(actuator=P.actuator._replace(coulomb_friction=250.0, stiction=120.0))
+    problem = problem_of(seen(plant), 'stem_friction', freedoms=())
+    sliding = place_of(problem, 'actuator.coulomb_friction')
+    ends = [last_fit._descended(problem, [z_of(problem, {
+        'actuator.coulomb_friction': 250.0 * more, 'actuator.stiction': 120.0 / more})])
+        for more in (1.0, 1.02)]
+    forces = [problem.freedoms[sliding].value(end.z[sliding]) for end in ends]
+    assert abs(forces[0] - forces[1]) < 0.1
+    assert abs(ends[0].cost - ends[1].cost) < 1.0
+
+
+def friction_along_the_travel(peak):
+    """Return the problem of a stem that rubs the more the further it is, and at a peak of it."""
+    plant = P._replace(actuator=P.actuator._replace(
+        coulomb_friction=80.0, friction_gradient=600.0, friction_peak=peak,
+        friction_peak_position=0.008, friction_peak_width=0.002))
+    return problem_of(seen(plant), 'position_dependent_friction', freedoms=())
+
+
+@pytest.mark.parametrize('there', [0.0, 200.0])
+def test_a_size_beside_the_first_is_kept_where_the_record_calls_for_it(there):
+    problem = friction_along_the_travel(there)
+    begun = last_fit._descended(problem, [z_of(problem, {
+        'actuator.coulomb_friction': 80.0, 'actuator.friction_gradient': 600.0,
+        'actuator.friction_peak': there or 8.0, 'actuator.presliding_stiffness': 0.0})])
+    assert begun.parameters.actuator.friction_peak > 1.0
+    actuator = called_for(problem, at_the_bottom(problem, begun)).parameters.actuator
+    assert (actuator.friction_peak > 100.0) if there else (actuator.friction_peak == 0.0)
+    assert actuator.coulomb_friction > 50.0  # the first size of an effect is no question
 
 
 @pytest.mark.parametrize('effect', ['chamber_leak', 'stem_friction'])

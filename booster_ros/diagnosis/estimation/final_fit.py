@@ -3,30 +3,32 @@
 """
 The final estimate of a chosen model: every training row, to the very end, and how sure it is.
 
-What the rows do not show is put back: a size to none, a shape to what is typical. All else is
-fitted on without it, as it had made up for it.
+What the rows do not show, or do not call for, is put back: a size to none, a shape to what is
+typical. All else is fitted on without it, as it had made up for it.
 
-Where variables do nearly the same they make a valley, as the E/P converter's offset and the
-preloads of both seats do. So slopes are formed along its axes at last, and a step goes to its
-bottom.
+Where variables do nearly the same they make a valley, as the E/P converter's offset and preloads
+of both seats do. So slopes are formed along its axes at last, and a step goes to its bottom.
 """
 
 from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
-from booster_ros.diagnosis.estimation.parallel import side_by_side
-from booster_ros.diagnosis.estimation.parametrisation import put
 from booster_ros.diagnosis.estimation.problem import Problem
-from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap
+from booster_ros.diagnosis.estimation.profile import profiled
+from booster_ros.diagnosis.estimation.uncertainty import WIDEST, block_bootstrap
+from booster_ros.model.catalogue import EFFECTS
 from booster_ros.numerics.least_squares import SETTLED
+from booster_ros.numerics.parallel import side_by_side
+from booster_ros.signals.dispersion import dispersion
 
-ROUNDS, PAYS = 3, 0.1
-"""Times that axes are formed: on some processors two leave slopes of 0.4 in a valley of 0.005; and
-that a descent over slips is begun anew, while a tenth less is left."""
+BESIDE = {knob.parameter for effect in EFFECTS.values() for knob in effect.knobs[1:]
+          if not knob.shape}
+"""Sizes that an effect may have beside its first, which makes it what it is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,28 +41,30 @@ class FinalFit:
 
 
 def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
-    """
-    Return the estimate from z, or from there with the declared parameters as given, if better.
-
-    Sizes that the rows do not show are none, and shapes typical where that is as good.
-    """
-    if not problem.observation.summary:
-        other = nominal(problem, begin)
-        starts = [begin, other] if np.any(other[:len(problem.freedoms)]) else [begin]
-        found = fit(problem, starts, tolerance=SETTLED)
-    else:
-        found = _over_slips(problem, begin)
+    """Return the estimate from z, or from there with the declared parameters as given."""
+    other = nominal(problem, begin)  # over slips it would lead to some other minimum
+    far = not problem.observation.summary and np.any(other[:len(problem.freedoms)])
+    found = _descended(problem, [begin, other] if far else [begin])
     found = at_the_bottom(problem, without_unseen(problem, found))
+    smaller = called_for(problem, found)
+    if smaller is not found:
+        found = at_the_bottom(problem, smaller)
     return FinalFit(problem, found, block_bootstrap(problem, found, block_of_row))
 
 
-def _over_slips(problem: Problem, begin: Array) -> Fit:
-    """Return the fit to a summary, rough as slips make it: new slopes lead on from its end."""
-    found = fit(problem, [begin, nominal(problem, begin)])
-    for _ in range(ROUNDS):
-        before, found = found, min(found, fit(problem, [found.z]), key=lambda one: one.cost)
-        if found.cost > (1.0 - PAYS) * before.cost:
-            break
+def _descended(problem: Problem, starts: list[Array], slopes: Array | None = None) -> Fit:
+    """
+    Return the best fit from several starts, followed to its very end by ever finer slopes.
+
+    Those over several slips lead to the right minimum, and stall in it: it is narrow and bends.
+    """
+    found, before = fit(problem, starts, tolerance=SETTLED, slopes=slopes), np.inf
+    while problem.observation.finer and found.cost < before - NOTICEABLE:
+        before = found.cost
+        for steps in problem.observation.finer:
+            near = replace(problem, observation=replace(problem.observation, steps=steps))
+            end = fit(near, [found.z], tolerance=SETTLED)
+            found = min(found, end, key=lambda one: one.cost)
     return found
 
 
@@ -68,9 +72,8 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     """
     Return the fit without what the rows show less than their noise, all else fitted on.
 
-    Such a size goes back to neutral, a shape to what is typical. Its slopes are those of before.
-    As a size may lie where nothing more changes, such as that of a seat so wide that it is never
-    fully open, the model without it is run before.
+    Such a size goes back to none, a shape to what is typical. As a size may lie where nothing more
+    changes, as that of a seat so wide that it is never fully open, the model without it is run.
     """
     z, seen = found.z, found.seen
     for j, free in enumerate(problem.freedoms):
@@ -83,6 +86,32 @@ def without_unseen(problem: Problem, found: Fit) -> Fit:
     return found if np.array_equal(z, found.z) else _fitted_beside(problem, z, found.jacobian)
 
 
+def called_for(problem: Problem, found: Fit) -> Fit:
+    """
+    Return the fit without sizes that the record does not call for, but the first of an effect.
+
+    Where slopes say that little is lost without a size, all else is fitted without it. So it stays
+    where what is left grows by less than c log n for each variable that no longer matters, with n
+    observations and their over-dispersion c (G. Schwarz, The Annals of Statistics 6 (1978) 461).
+    """
+    n = problem.observed
+    each = dispersion(problem.series(found.residuals[:n])) * log(n)
+    for j, free in enumerate(problem.freedoms):
+        step = free.without_size - found.z[j]
+        hessian = found.jacobian.T @ found.jacobian + np.eye(len(found.z)) / WIDEST**2
+        if (free.knob.parameter not in BESIDE or not step
+                or step**2 > each * np.linalg.inv(hessian)[j, j]):
+            continue
+        without = found.z.copy()
+        without[j] = free.without_size
+        _, without = profiled(problem, without, problem.residuals(without), found.jacobian, j)
+        smaller = _fitted_beside(problem, without, found.jacobian)
+        idle = 1 + np.sum(found.jacobian.any(axis=0)) - np.sum(smaller.jacobian.any(axis=0))
+        if smaller.cost < found.cost + each * idle:
+            found = without_unseen(problem, smaller)
+    return found
+
+
 def _put_back(problem: Problem, z: Array) -> list[int]:
     """Return the variables of effects that are none or typical at z: they stay so."""
     return [j for j, free in enumerate(problem.freedoms)
@@ -91,15 +120,12 @@ def _put_back(problem: Problem, z: Array) -> list[int]:
 
 def _fitted_beside(problem: Problem, z: Array, slopes: Array) -> Fit:
     """Return the fit of all variables but those that have been put back."""
-    held, base = _put_back(problem, z), problem.base
-    for free in (problem.freedoms[j] for j in held):
-        base = put(base, free.knob.parameter, free.value(free.without_size), free.element)
+    held = _put_back(problem, z)
     others = np.setdiff1d(np.arange(len(z)), held)
     if len(others):
-        beside = replace(problem, base=base, freedoms=tuple(
-            free for j, free in enumerate(problem.freedoms) if j not in held))
-        z = z.copy()
-        z[others] = fit(beside, [z[others]], tolerance=SETTLED, slopes=slopes[:, others]).z
+        z, slopes = z.copy(), slopes.copy()
+        end = _descended(problem.holding(z, held), [z[others]], slopes[:, others])
+        z[others], slopes[:, others] = end.z, end.jacobian
     return fit_at(problem, z, slopes)
 
 
@@ -111,12 +137,12 @@ def slopes_along_axes(problem: Problem, z: Array, here: Array, columns: Array) -
 
     Columns of one-sided differences bend by a percent over their steps, which is more than what
     differs between variables that do nearly the same. Along an axis the step is as long as is
-    needed to see that axis; as the axes are off as well, it is done ROUNDS times.
+    needed to see that axis; as the axes are off as well, it is done in several rounds.
 
     Where a bound is in the way on one side of an axis, the difference is formed on the other, of
     second order; where on both, variables that would go over theirs keep their own columns.
     """
-    for _ in range(ROUNDS):
+    for _ in range(problem.observation.rounds):
         columns = _along_axes(problem, z, here, columns)
     return columns
 
@@ -149,11 +175,7 @@ def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Arra
 
 
 def at_the_bottom(problem: Problem, found: Fit) -> Fit:
-    """
-    Return the fit with `slopes_along_axes`, a Gauss-Newton step further if that is better.
-
-    What has been put back stays so.
-    """
+    """Return the fit with `slopes_along_axes`, and a step further, but of what was put back."""
     slopes = slopes_along_axes(problem, found.z, found.residuals, found.jacobian)
     room = np.array(problem.bounds()) - found.z
     others = np.setdiff1d(np.arange(len(found.z)), _put_back(problem, found.z))

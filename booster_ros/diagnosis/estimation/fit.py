@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array, Initial
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.model.system import PositionerParameters
 from booster_ros.numerics.least_squares import CONVERGED, Descent, descend
+from booster_ros.numerics.parallel import side_by_side
 
 EVALUATIONS = 30
 """Steps of a descent beside its Jacobians, at the most: most end after four to eight."""

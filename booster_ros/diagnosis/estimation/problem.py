@@ -20,7 +20,6 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import NO_CHANCE, Array, Experiment, Initial
 from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Steps, Windows
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
@@ -28,6 +27,7 @@ from booster_ros.model.parameters import is_consistent
 from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.start import held_by_friction
 from booster_ros.model.system import PositionerParameters
+from booster_ros.numerics.parallel import side_by_side
 
 DIFFERENCE, SMALLEST_DIFFERENCE = 2e-3, 2e-5
 """First step in z of the Jacobian's differences, and the least of later ones, which are those of
@@ -149,6 +149,10 @@ class Problem:
         """Number of observed residuals, over all channels."""
         return sum(map(len, self.first_rows))
 
+    def series(self, observed: Array) -> list[Array]:
+        """Return residuals of what is observed, one array a series."""
+        return np.split(observed, np.cumsum([len(rows) for rows in self.first_rows])[:-1])
+
     @cached_property
     def _decisive(self) -> Experiment:
         """The experiment up to the last row that counts: what comes later changes none of them."""
@@ -226,6 +230,14 @@ class Problem:
             matter.add('past')
         first = len(self.freedoms) + 1  # behind the chamber's pressure
         return [j for j, name in enumerate(Departure._fields, first) if name not in matter]
+
+    def holding(self, z: Array, held: Sequence[int]) -> 'Problem':
+        """Return the problem of all variables but some, whose parameters stay as they are at z."""
+        base = self.base
+        for free, variable in ((self.freedoms[j], z[j]) for j in held):
+            base = put(base, free.knob.parameter, free.value(variable), free.element)
+        return replace(self, base=base, freedoms=tuple(
+            free for j, free in enumerate(self.freedoms) if j not in held))
 
     def start(self) -> Array:
         """Return z of the given parameters."""

@@ -46,5 +46,6 @@ def profiled(problem: Problem, z: Array, residuals: Array, slopes: Array, held: 
         weight = 1.0 / np.sqrt(1.0 + (left / UNLIKELY)**2)
         step = np.linalg.lstsq(weight[:, None] * columns, -weight * residuals, rcond=None)[0]
         step = np.clip(step, low, high)
+        step[held] = 0.0  # the solver leaves it at next to nothing
         left = residuals + columns @ step
     return bounded_cost(left), z + step

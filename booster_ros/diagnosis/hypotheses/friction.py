@@ -22,14 +22,16 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 from booster_ros.diagnosis.data.experiment import Array
-from booster_ros.diagnosis.estimation.final_fit import PAYS
 from booster_ros.diagnosis.estimation.fit import Fit, fit
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.profile import bounded_cost, profiled
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.scaling import proportion
+from booster_ros.numerics.parallel import side_by_side
+
+PAYS = 0.1
+"""Share of the cost that another minimum has to save for the next to be looked for."""
 
 _DAMPING, _STICTION = 'actuator.presliding_damping', 'actuator.stiction'
 

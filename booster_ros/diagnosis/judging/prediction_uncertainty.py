@@ -24,8 +24,8 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import FEWEST, Array, Experiment, Initial
 from booster_ros.diagnosis.estimation.final_fit import FinalFit
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.result import FAR_OFF, ChannelError, Started
+from booster_ros.numerics.parallel import side_by_side
 
 BY_CHANCE = 10.0
 """Change of the cost for each variable up to which it is taken for chance: coloured noise makes it

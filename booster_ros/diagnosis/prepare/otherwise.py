@@ -72,13 +72,11 @@ def is_otherwise(recorded: Moves, taken: Moves) -> bool:
     Errors are summed over channels, each as a share of how much the channel moves at the most,
     measured or predicted: as a share of what a dead sensor does it would outweigh all else.
     """
-    both = recorded, taken
-    sizes = {name: max(SMALLEST, *(
-        float(np.nanstd(values[name])) for one in both for values in one))
+    sizes = {name: max(SMALLEST, *(float(np.nanstd(one[name])) for one in (*recorded, *taken)))
              for name, measured in recorded[0].items() if len(known(measured))}
     before, after = (sum(
         rmse(measured[name], predicted[name], np.ones(len(measured[name]), dtype=bool)) / size
-        for name, size in sizes.items()) for measured, predicted in both)
+        for name, size in sizes.items()) for measured, predicted in (recorded, taken))
     return after < EXPLAINED * before
 
 
@@ -104,8 +102,8 @@ def _another_unit_of_time(experiment: Experiment, declared: PositionerParameters
     as_given = _closer(experiment) if step > DWELL_FILLED else experiment
     for unit, seconds in SECONDS.items():
         if USUAL_STEP[0] <= seconds * step <= USUAL_STEP[1]:
-            in_unit = replace(experiment, time=seconds * experiment.time)
-            yield moves(as_given, declared), moves(in_unit, declared), (
+            taken = replace(experiment, time=seconds * experiment.time)
+            yield moves(as_given, declared), moves(taken, declared), (
                 f'time: rows {step:.3g} s apart do not suit the declared model, which moves as '
                 f'measured if they are {step:.3g} {unit} apart: convert the column to seconds')
 

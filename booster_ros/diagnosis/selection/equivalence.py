@@ -20,7 +20,6 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.fit import carried, fit_at
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import redundant
 from booster_ros.diagnosis.hypotheses.friction import begins_on_a_grid
@@ -30,6 +29,7 @@ from booster_ros.diagnosis.selection.screening import first_steps, reference_at,
 from booster_ros.diagnosis.selection.stepwise import Selection, comparison
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model.catalogue import EFFECTS
+from booster_ros.numerics.parallel import side_by_side
 
 
 def alike(task: Task, selection: Selection, chosen: Model, name: str) -> tuple[str, ...]:

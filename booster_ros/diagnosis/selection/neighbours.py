@@ -21,7 +21,6 @@ from scipy.special import chdtri
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import (
     FIRST_STEPS, NOTICEABLE, Fit, carried, fit, fit_at, nominal)
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
@@ -33,6 +32,7 @@ from booster_ros.diagnosis.selection.screening import (
     BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.diagnosis.selection.task import (
     Model, Task, by_observation, idealised, lacks_nothing, leaves_noise, near_best, upstream_task)
+from booster_ros.numerics.parallel import side_by_side
 
 Tick = Callable[[], None]
 

@@ -23,8 +23,8 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import FEWEST, Array
 from booster_ros.diagnosis.estimation.fit import Fit
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import DIFFERENCE, Problem
+from booster_ros.numerics.parallel import side_by_side
 from booster_ros.signals.dispersion import dispersion
 
 LARGE = 9.0
@@ -71,10 +71,9 @@ def score_of(problem: Problem, fit: Fit, block_of_row: Array) -> Score:
                          + [*problem.sigma[len(problem.freedoms):]])[inside]
     label = np.concatenate([block_of_row[rows] for rows in problem.first_rows])
     costs = np.bincount(label, residuals**2)
-    series = np.split(residuals, np.cumsum([len(rows) for rows in problem.first_rows])[:-1])
     return Score(float(residuals @ residuals), float(np.sum(fit.residuals[data:]**2)), data,
-                 dispersion(series), costs, jacobian.T @ jacobian, 1.0 / deviation**2,
-                 _luck_of(problem, fit))
+                 dispersion(problem.series(residuals)), costs, jacobian.T @ jacobian,
+                 1.0 / deviation**2, _luck_of(problem, fit))
 
 
 def _bursts_bounded(problem: Problem, residuals: Array) -> Array:

@@ -11,7 +11,6 @@ import numpy as np
 
 from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import FIRST_STEPS, Fit, fit, fit_at
-from booster_ros.diagnosis.estimation.parallel import side_by_side
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.discrepancy import (
     UNNAMED, Term, linear_reach, place_of, terms)
@@ -19,6 +18,7 @@ from booster_ros.diagnosis.selection.neighbours import BEGUN, fitted_to_every_ro
 from booster_ros.diagnosis.selection.screening import BEST
 from booster_ros.diagnosis.selection.task import Model, Task
 from booster_ros.model import discrepancy as term
+from booster_ros.numerics.parallel import side_by_side
 
 
 def best_terms(task: Task, root: Model) -> list[Model]:
