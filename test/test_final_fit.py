@@ -56,7 +56,7 @@ def test_what_had_made_up_for_a_size_that_is_not_shown_goes_on_without_it():
 
 
 @pytest.mark.parametrize(('costs', 'left', 'begun'), [
-    ((500.0, 400.0, 300.0, 299.5, 299.4, 299.3, 299.2), 299.2, 7),  # the last round gained too little
+    ((500.0, 400.0, 300.0, 299.5, 299.4, 299.3, 299.2), 299.2, 7),  # then too little to go on
     ((500.0, 600.0, 600.0, 600.0), 500.0, 4),
     ((500.0, 400.0, 450.0, 450.0, 399.8, 450.0, 450.0), 399.8, 7)])
 def test_slopes_grow_finer_over_slips_again_and_again_while_that_pays(

@@ -30,7 +30,8 @@ def linear(seed=1, high=np.inf):
         freedoms=tuple(SimpleNamespace(prior_deviation=lambda z, one=one: one)
                        for one in DEVIATION),
         bounds=lambda: (np.full(3, -np.inf), np.array([np.inf, high, np.inf])),
-        first_rows=(np.arange(ROWS // 2), np.arange(ROWS // 2)))
+        first_rows=(np.arange(ROWS // 2), np.arange(ROWS // 2)),
+        series=lambda observed: np.split(observed, 2))
     fit = SimpleNamespace(z=z, residuals=residuals, jacobian=jacobian,
                           cost=float(residuals @ residuals))
     return problem, fit, design, readings
@@ -87,7 +88,8 @@ def test_a_variable_that_explains_nothing_costs_evidence():
     basis = np.linalg.qr(np.column_stack([fit.jacobian[:ROWS], fit.residuals[:ROWS]]))[0]
     idle -= basis @ (basis.T @ idle)  # nothing of what is left, nor of the others
     wider = SimpleNamespace(
-        observed=ROWS, first_rows=problem.first_rows, experiment=problem.experiment,
+        observed=ROWS, series=problem.series, first_rows=problem.first_rows,
+        experiment=problem.experiment,
         sigma=np.append(DEVIATION, 10.0),
         freedoms=(*problem.freedoms, SimpleNamespace(prior_deviation=lambda z: 10.0)),
         bounds=lambda: (np.full(4, -np.inf), np.full(4, np.inf)))
