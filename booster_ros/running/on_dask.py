@@ -118,7 +118,8 @@ def _client(scheduler: str, jobs: int) -> Iterator[Any]:
     except ModuleNotFoundError as missing:
         raise RunError(f'many runs need the Python package {missing.name}, which is not '
                        'installed: pip install distributed') from None
-    logging.getLogger('distributed').setLevel(logging.CRITICAL)
+    for name in ('distributed', 'asyncio'):  # of a wait that was interrupted, what nobody waits for
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     with ExitStack() as stack:
         target: Any = scheduler
         if not scheduler:
