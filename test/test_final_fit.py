@@ -5,7 +5,7 @@
 from types import SimpleNamespace
 
 from made_record import flow_bench
-from made_task import P, TIME, place_of, problem_of, seen, z_of
+from made_task import CURRENT, P, TIME, place_of, problem_of, seen, z_of
 import numpy as np
 import pytest
 
@@ -56,9 +56,9 @@ def test_what_had_made_up_for_a_size_that_is_not_shown_goes_on_without_it():
 
 
 @pytest.mark.parametrize(('costs', 'left', 'begun'), [
-    ((500.0, 400.0, 300.0, 299.5, 299.4, 299.3, 299.2), 299.2, 7),  # then too little to go on
-    ((500.0, 600.0, 600.0, 600.0), 500.0, 4),
-    ((500.0, 400.0, 450.0, 450.0, 399.8, 450.0, 450.0), 399.8, 7)])
+    ((500.0, 400.0, 300.0, 299.5, 299.2), 299.2, 5),  # then too little to go on
+    ((500.0, 600.0, 600.0), 500.0, 3),
+    ((500.0, 400.0, 450.0, 399.8, 450.0), 399.8, 5)])
 def test_slopes_grow_finer_over_slips_again_and_again_while_that_pays(
         costs, left, begun, monkeypatch):
     problem = problem_of(seen(P), 'stem_friction')
@@ -77,13 +77,15 @@ def test_slopes_grow_finer_over_slips_again_and_again_while_that_pays(
     ends_so_far = np.array(costs[:begun])
     assert [one for one, in starts[1:]] == [
         1.0 + np.argmin(ends_so_far[:k]) for k in range(1, begun)]  # where the least was left
-    assert changes == [100.0, *(30.0, 10.0, 3.0) * (begun // 3)]
+    assert changes == [100.0, *(30.0, 10.0) * (begun // 2)]
 
 
 def test_fits_of_friction_end_together_wherever_they_begin():
-    """By slopes over several slips alone, they end up to 30 N apart."""
+    """By slopes over several slips alone, they end 7 N apart."""
     plant = P._replace(actuator=P.actuator._replace(coulomb_friction=250.0, stiction=120.0))
-    problem = problem_of(seen(plant), 'stem_friction', freedoms=())
+    short = slice(0, 900)
+    problem = problem_of(seen(plant, current=CURRENT[short], time=TIME[short]), 'stem_friction',
+                         freedoms=())
     sliding = place_of(problem, 'actuator.coulomb_friction')
     ends = [last_fit._descended(problem, [z_of(problem, {
         'actuator.coulomb_friction': 250.0 * more, 'actuator.stiction': 120.0 / more})])

@@ -151,7 +151,7 @@ leave slopes of 0.4 in a valley of 0.005."""
 WINDOWS = Observation(
     'windows', lambda windows, scaled: np.append(windows.means(scaled), windows.strengths(scaled)),
     lambda windows: [windows.first, windows.first[windows.told]], Steps(100.0, 0.1),
-    Steps(300.0, 0.3), finer=(Steps(30.0, 0.1), Steps(10.0, 0.1), Steps(3.0, 0.1)), summary=True)
+    Steps(300.0, 0.3), finer=(Steps(30.0, 0.1), Steps(10.0, 0.1)), summary=True)
 """Means and logarithms of variances of windows count; slips make them rough on short ways: one slip
 in another window is hundreds, and the next minimum over stiction some 0.1 away. Slopes that tell
 how sure a fit is are over several of both, else they are those of the minimum that it ended in."""
