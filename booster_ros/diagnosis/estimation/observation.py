@@ -127,9 +127,8 @@ class Observation:
 
     `of` makes its residuals of the scaled residuals of its rows, in series, of which `first_rows`
     are the counted rows each begins with. `steps` are those of a fit's differences, `last` those
-    along the axes at its end, formed in so many `rounds`; a fit to the very end goes on by `finer`
-    ones. A `summary` of the readings says as much on thinned rows as on all, and bends too much for
-    slopes to lead far.
+    along the axes at its end; a fit to the very end goes on by `finer` ones. A `summary` of the
+    readings says as much on thinned rows as on all, and bends too much for slopes to lead far.
     """
 
     name: str
@@ -137,16 +136,13 @@ class Observation:
     first_rows: Callable[[Windows], list[Array]] = field(repr=False)
     steps: Steps
     last: Steps
-    rounds: int = 1
     finer: tuple[Steps, ...] = ()
     summary: bool = False
 
 
-ROWS = Observation(
-    'rows', lambda windows, scaled: windows.white(scaled),
-    lambda windows: [np.arange(len(windows.time))], Steps(1.0, 0.1), Steps(1.0, 0.1), rounds=3)
-"""Every reading counts, by itself where none of its noise is chance. On some processors two rounds
-leave slopes of 0.4 in a valley of 0.005."""
+ROWS = Observation('rows', lambda windows, scaled: windows.white(scaled),
+                   lambda windows: [np.arange(len(windows.time))], Steps(1.0, 0.1), Steps(1.0, 0.1))
+"""Every reading counts, by itself where none of its noise is chance."""
 
 WINDOWS = Observation(
     'windows', lambda windows, scaled: np.append(windows.means(scaled), windows.strengths(scaled)),
