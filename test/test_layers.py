@@ -20,14 +20,14 @@ MAY_IMPORT = {
     'signals': set(),
     'numerics': set(),
     'diagnosis/data': {'model', 'records', 'signals'},
-    'diagnosis/estimation': {'model', 'numerics', 'diagnosis/data'},
+    'diagnosis/estimation': {'model', 'numerics', 'signals', 'diagnosis/data'},
     'diagnosis/hypotheses': {
         'model', 'numerics', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation'},
     'diagnosis/prepare': {'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation'},
     'diagnosis/selection': {'model', 'numerics', 'signals', 'diagnosis/data',
                             'diagnosis/estimation', 'diagnosis/hypotheses'},
     'diagnosis/judging': {
-        'model', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation',
+        'model', 'numerics', 'records', 'signals', 'diagnosis/data', 'diagnosis/estimation',
         'diagnosis/hypotheses', 'diagnosis/prepare', 'diagnosis/selection'},
     'diagnosis': {'model', 'records', 'diagnosis/data', 'diagnosis/estimation',
                   'diagnosis/hypotheses', 'diagnosis/judging', 'diagnosis/selection'},
