@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The final estimate: sizes that no row shows go back to none, all else goes to its end."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 from made_record import flow_bench
@@ -118,12 +119,28 @@ def test_a_size_beside_the_first_is_kept_where_the_record_calls_for_it(there):
 @pytest.mark.parametrize('effect', ['chamber_leak', 'stem_friction'])
 def test_intervals_are_by_slopes_along_the_axes_of_a_valley_be_it_over_slips_or_not(
         effect, monkeypatch):
-    problem = problem_of(seen(P), effect, freedoms=())
+    problem, begun = problem_of(seen(P), effect, freedoms=()), []
+
+    def doubled(one, z, here, columns):
+        begun.append(columns)
+        return 2.0 * columns
+
     monkeypatch.setattr(last_fit, 'fit', lambda one, starts, **_: fit_at(one, starts[0]))
-    monkeypatch.setattr(last_fit, 'slopes_along_axes', lambda one, z, here, columns: 2.0 * columns)
-    begin = problem.start()
-    last = final_fit(problem, begin, (TIME // 3.0).astype(int))
-    assert last.fit.jacobian == pytest.approx(2.0 * fit_at(problem, begin).jacobian)
+    monkeypatch.setattr(last_fit, 'slopes_along_axes', doubled)
+    last = final_fit(problem, problem.start(), (TIME // 3.0).astype(int))
+    assert last.fit.jacobian == pytest.approx(2.0 * begun[-1])
+
+
+@pytest.mark.parametrize('effect', ['chamber_leak', 'stem_friction'])
+def test_axes_begin_with_slopes_over_several_slips_whatever_finer_ones_said(effect, monkeypatch):
+    problem, begun = problem_of(seen(P), effect, freedoms=()), []
+    monkeypatch.setattr(last_fit, 'slopes_along_axes',
+                        lambda one, z, here, columns: begun.append(columns) or columns)
+    found = fit_at(problem, np.full(len(problem.start()), 0.1))
+    finer = replace(found, jacobian=10.0 * found.jacobian)
+    at_the_bottom(problem, finer)
+    over_slips = problem.jacobian(found.z, found.residuals, finer.jacobian)
+    assert begun[0] == pytest.approx(over_slips if effect == 'stem_friction' else finer.jacobian)
 
 
 @pytest.mark.parametrize('leak', [0.0, 4e-8])

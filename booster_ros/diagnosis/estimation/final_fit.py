@@ -179,7 +179,9 @@ def _along_axes(problem: Problem, z: Array, here: Array, columns: Array) -> Arra
 
 def at_the_bottom(problem: Problem, found: Fit) -> Fit:
     """Return the fit with `slopes_along_axes`, and a step further, but of what was put back."""
-    slopes = slopes_along_axes(problem, found.z, found.residuals, found.jacobian)
+    columns = found.jacobian if not problem.observation.finer else problem.jacobian(
+        found.z, found.residuals, found.jacobian)  # over several slips again
+    slopes = slopes_along_axes(problem, found.z, found.residuals, columns)
     room = np.array(problem.bounds()) - found.z
     others = np.setdiff1d(np.arange(len(found.z)), _put_back(problem, found.z))
     step = np.zeros(len(found.z))
