@@ -39,7 +39,7 @@ test:
 	@$(PYTHON) scripts/prepare_environment.py test
 	@$(VENV_PYTHON) -c '$(COMPILE_MODEL)' & \
 	  $(VENV_PYTHON) -m pytest --collect-only -qq $(TESTS) > /dev/null; wait
-	@$(VENV_PYTHON) -m pytest -n 3 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
+	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
 	  $(TESTS)
 
 # The peers live in an environment of their own; the node is measured in the one that runs it.
