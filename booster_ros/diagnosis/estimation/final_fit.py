@@ -44,7 +44,7 @@ class FinalFit:
 
 
 def final_fit(problem: Problem, begin: Array, block_of_row: Array) -> FinalFit:
-    """Return the estimate from z, or from there with the declared parameters as given."""
+    """Return the best estimate from z and, by rows, from there with what is declared as given."""
     other = nominal(problem, begin)  # over slips it would lead to some other minimum
     far = not problem.observation.summary and np.any(other[:len(problem.freedoms)])
     found = _descended(problem, [begin, other] if far else [begin])
@@ -100,13 +100,13 @@ def called_for(problem: Problem, found: Fit) -> Fit:
     n = problem.observed
     each = dispersion(problem.series(found.residuals[:n])) * log(n)
     for j, free in enumerate(problem.freedoms):
-        step = free.without_size - found.z[j]
-        hessian = found.jacobian.T @ found.jacobian + np.eye(len(found.z)) / WIDEST**2
-        if (free.knob.parameter not in BESIDE or not step
-                or step**2 > each * np.linalg.inv(hessian)[j, j]):
+        if free.knob.parameter not in BESIDE or found.z[j] == free.without_size:
             continue
+        hessian = found.jacobian.T @ found.jacobian + np.eye(len(found.z)) / WIDEST**2
         without = found.z.copy()
         without[j] = free.without_size
+        if (without[j] - found.z[j])**2 > each * np.linalg.inv(hessian)[j, j]:
+            continue
         _, without = profiled(problem, without, problem.residuals(without), found.jacobian, j)
         smaller = _fitted_beside(problem, without, found.jacobian)
         idle = 1 + np.sum(found.jacobian.any(axis=0)) - np.sum(smaller.jacobian.any(axis=0))
