@@ -29,18 +29,12 @@ demo:
 	@$(PYTHON) scripts/prepare_environment.py run
 	@$(VENV_PYTHON) -m booster_ros demo
 
-# Bytecode and the model, which each of the processes would compile for itself, are compiled once
-# before. A worker that dies ends the run: pytest-xdist may wait for ever for the rest of its file.
-# flake8 and pep257 are what `colcon test` runs beside these; ruff have their rules, and takes a second.
-test: COMPILE_MODEL := from booster_ros.model import simulation, system; \
-  simulation.simulate(system.PositionerParameters(), [0.0, 0.1], [4e-4, 4e-4])
-test: TESTS := -m 'not campaign and not flake8 and not pep257'
+# A worker that dies ends the run: pytest-xdist may wait for ever for the rest of its file.
+# flake8 and pep257 are what `colcon test` runs beside these; ruff has their rules, and takes a second.
 test:
 	@$(PYTHON) scripts/prepare_environment.py test
-	@$(VENV_PYTHON) -c '$(COMPILE_MODEL)' & \
-	  $(VENV_PYTHON) -m pytest --collect-only -qq $(TESTS) > /dev/null; wait
 	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
-	  $(TESTS)
+	  -m 'not campaign and not flake8 and not pep257'
 
 # The peers live in an environment of their own; the node is measured in the one that runs it.
 bench:
