@@ -10,8 +10,8 @@ import pytest
 
 from booster_ros.diagnosis.data.experiment import Chance
 from booster_ros.diagnosis.estimation.observation import ROWS, WINDOWS
-from booster_ros.diagnosis.estimation.observation import Windows
 from booster_ros.diagnosis.hypotheses.compose import with_effects
+from booster_ros.signals.window_statistics import Windows
 
 FRICTION = {'actuator.coulomb_friction': 380.0, 'actuator.stiction': 130.0,
             'actuator.presliding_stiffness': 0.0}
@@ -100,7 +100,7 @@ def drawn(chance, time, seed):
 def test_noise_that_carries_over_counts_as_white():
     chance = Chance(0.8, 2.0)
     time = np.delete(0.05 * np.arange(900), np.s_[300:420])  # with a gap
-    windows = Windows.of(time, np.zeros(len(time)), chance)
+    windows = Windows.of(time, np.zeros(len(time)), *chance)
     found = np.array([ROWS.of(windows, drawn(chance, time, seed)) for seed in range(40)])
     assert np.mean(found**2) == pytest.approx(1.0, abs=0.03)
     for lag in (1, 10, 60):
@@ -116,6 +116,6 @@ def test_noise_that_carries_over_counts_as_white():
 def test_means_of_windows_know_what_their_rows_share():
     chance = Chance(0.8, 1e3)
     time = 0.05 * np.arange(200)
-    windows = Windows.of(time, np.zeros(len(time)), chance)
+    windows = Windows.of(time, np.zeros(len(time)), *chance)
     means = [windows.means(drawn(chance, time, seed)) for seed in range(200)]
     assert np.std(means) == pytest.approx(1.0, abs=0.05)

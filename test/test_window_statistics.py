@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from booster_ros.diagnosis.estimation.observation import Windows
+from booster_ros.signals.window_statistics import Windows
 
 TIME = 0.01 * np.arange(6000)
 RAMP = 4.0 * TIME

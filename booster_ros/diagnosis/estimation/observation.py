@@ -14,103 +14,12 @@ channel, and return what a fit minimises the squares of.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from booster_ros.diagnosis.data.experiment import NO_CHANCE, Array, Chance
-from booster_ros.signals.innovations import Whitening
-
-WINDOW = 1.0
-"""Length of a window, s: many slips of a stem come in it, and few moves of the valve."""
-
-SCATTER = 0.25
-"""What one slip more or less in a window changes in its strength, in natural logarithms."""
-
-LEAST = 0.1
-"""Smallest variance that readings are taken to have, in squares of the noise."""
-
-_CUBIC = 4
-
-
-@dataclass(frozen=True, eq=False)
-class Windows:
-    """
-    Rows of a channel in windows: time in s and readings in standard deviations of the noise.
-
-    Both have the shape (rows,); `window` says to which window each row belongs, `first` and
-    `count` which is the first row of each and how many it has.
-    """
-
-    time: Array
-    readings: Array
-    window: Array
-    first: Array
-    count: Array
-    chance: Chance = NO_CHANCE
-
-    @classmethod
-    def of(cls, time: Array, readings: Array, chance: Chance = NO_CHANCE) -> 'Windows':
-        """Return the windows of these rows."""
-        _, first, window, count = np.unique(
-            np.floor(time / WINDOW), return_index=True, return_inverse=True, return_counts=True)
-        return cls(time, readings, window, first, count, chance)
-
-    def white(self, residuals: Array) -> Array:
-        """Return the residuals of rows as white noise of variance 1, where they are noise."""
-        return self._whitening.innovations(residuals) if self.chance.share else residuals
-
-    @cached_property
-    def _whitening(self) -> Whitening:
-        return Whitening.of(self.time, self.chance.share, self.chance.seconds)
-
-    def means(self, residuals: Array) -> Array:
-        """Return the mean of each window in standard deviations of its noise, shape (windows,)."""
-        variance = 1.0 + self.chance.share * (self.count - 1.0)  # chance hardly changes within one
-        return np.bincount(self.window, residuals) / np.sqrt(self.count * variance)
-
-    def strengths(self, residuals: Array) -> Array:
-        """
-        Return by how much the model moves more or less than the valve within each window, scaled.
-
-        It is the logarithm of a ratio of variances: that of the model, with the noise that
-        readings have, to that of the readings.
-        """
-        moves = self._variance(self.readings - residuals) + 1.0
-        spread = np.sqrt(2.0 / self._freedom + SCATTER**2)
-        return np.log(moves / self._moved) / spread
-
-    def _variance(self, values: Array) -> Array:
-        """Return the variance of what a cubic leaves in each window that is long enough."""
-        left = np.bincount(self.window, values**2)
-        for curve in self._curves.T:
-            left -= np.bincount(self.window, curve * values)**2
-        return np.maximum(left[self.told], 0.0) / self._freedom
-
-    @cached_property
-    def _moved(self) -> Array:
-        """Return the variance of the readings in each window that is long enough."""
-        return np.maximum(self._variance(self.readings), LEAST)
-
-    @cached_property
-    def told(self) -> Array:
-        """Which windows are long enough for their strength to be told, shape (windows,)."""
-        return self.count >= 2 * _CUBIC
-
-    @cached_property
-    def _freedom(self) -> Array:
-        return self.count[self.told] - float(_CUBIC)
-
-    @cached_property
-    def _curves(self) -> Array:
-        """Return orthonormal cubics of each window that is long enough, shape (rows, 4)."""
-        curves = np.zeros((len(self.time), _CUBIC))
-        for first, count in zip(self.first[self.told], self.count[self.told]):
-            part = slice(first, first + count)
-            within = (self.time[part] - self.time[first]) / WINDOW - 0.5
-            curves[part] = np.linalg.qr(np.vander(within, _CUBIC))[0]
-        return curves
+from booster_ros.diagnosis.data.experiment import Array
+from booster_ros.signals.window_statistics import Windows
 
 
 class Steps(NamedTuple):

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from booster_ros.diagnosis.data.experiment import NO_CHANCE, Array, Experiment, Initial
-from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Steps, Windows
+from booster_ros.diagnosis.estimation.observation import ROWS, Observation, Steps
 from booster_ros.diagnosis.estimation.parametrisation import Free, possible_departures, put
 from booster_ros.model.discrepancy import remembers
 from booster_ros.model.memory import Departure
@@ -28,6 +28,7 @@ from booster_ros.model.sensors import position_behind, pressure_behind
 from booster_ros.model.start import held_by_friction
 from booster_ros.model.system import PositionerParameters
 from booster_ros.numerics.parallel import side_by_side
+from booster_ros.signals.window_statistics import Windows
 
 DIFFERENCE, SMALLEST_DIFFERENCE = 2e-3, 2e-5
 """First step in z of the Jacobian's differences, and the least of later ones, which are those of
@@ -135,7 +136,7 @@ class Problem:
         experiment = self.experiment
         return tuple(Windows.of(
             experiment.time[rows], experiment.measured[name][rows] / experiment.noise[name],
-            experiment.chance.get(name, NO_CHANCE)) for name, rows in self.counted.items())
+            *experiment.chance.get(name, NO_CHANCE)) for name, rows in self.counted.items())
 
     @cached_property
     def first_rows(self) -> tuple[Array, ...]:
@@ -218,7 +219,7 @@ class Problem:
     @cached_property
     def _rough(self) -> float:
         """By how much residuals differ (norm) that differ by chance alone."""
-        return float(np.sqrt(2.0 * sum(one.chance.share * len(one.time) for one in self.windows)))
+        return float(np.sqrt(2.0 * sum(one.share * len(one.time) for one in self.windows)))
 
     def _silent(self, z: Array) -> list[int]:
         """Return the variables of the start that cannot matter, such as a place in no play."""
