@@ -18,6 +18,7 @@ from booster_ros.diagnosis.data.experiment import Array, Experiment
 from booster_ros.diagnosis.estimation.fit import Fit
 from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.parametrisation import get, label
+from booster_ros.diagnosis.estimation.two_steps import in_two_steps
 from booster_ros.diagnosis.estimation.uncertainty import at_bound, interval_of
 from booster_ros.diagnosis.hypotheses.applicable import applicable, free_to_refit
 from booster_ros.diagnosis.hypotheses.discrepancy import UNNAMED, beyond, place_of, with_gentle_ends
@@ -29,7 +30,8 @@ from booster_ros.diagnosis.selection.decide import TIE, Comparison, compare, sta
 from booster_ros.diagnosis.selection.equivalence import alike
 from booster_ros.diagnosis.selection.score import LARGE
 from booster_ros.diagnosis.selection.stepwise import Progress, Selection, comparison, select
-from booster_ros.diagnosis.selection.task import PLACES, Model, Task, explained, near_best
+from booster_ros.diagnosis.selection.task import (
+    PLACES, Model, Task, explained, near_best, seen_above, upstream_task)
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.model.discrepancy import VARIABLES, covered
 from booster_ros.model.parameters import DESCRIPTIONS
@@ -87,7 +89,7 @@ def _tested(task: Task, selection: Selection, block: Array
     declared = experiment.predict(task.declared)
 
     def judged(model: Model) -> tuple[FinalFit, Runs, dict[str, ChannelError]]:
-        last = final_fit(task.on_every_row(model.problem), model.fit.z, block)
+        last = _last_fit(task, model, block)
         if _unnamed(model):
             last = final_fit(with_gentle_ends(last.problem, last.fit), last.fit.z, block)
         runs = {'declared': declared, **{
@@ -109,6 +111,19 @@ def _tested(task: Task, selection: Selection, block: Array
         {name: error.after for name, error in errors.items() if np.isfinite(error.after)},
         float(np.mean(outside[test])))
     return selection.named, *judged(selection.named)[:2], refused
+
+
+def _last_fit(task: Task, model: Model, block: Array) -> FinalFit:
+    """Return the last fit of a model, in two steps where its stem sticks and is seen as it is."""
+    problem = task.on_every_row(model.problem)
+    misread = any(name in EFFECTS and EFFECTS[name].reading == 'valve_position'
+                  for name in model.effects)
+    above = upstream_task(task) if problem.observation.summary and not misread else None
+    if above is None:
+        return final_fit(problem, model.fit.z, block)
+    subsystem, seen = seen_above(above, model.effects, model.fit)
+    told = final_fit(above.on_every_row(subsystem), seen.z, block)
+    return in_two_steps(problem, model.fit.z, block, told)
 
 
 def _before(selection: Selection, model: Model, last: FinalFit) -> Fit:

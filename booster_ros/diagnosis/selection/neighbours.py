@@ -26,12 +26,12 @@ from booster_ros.diagnosis.estimation.uncertainty import LEVEL
 from booster_ros.diagnosis.hypotheses.compose import redundant, with_effects
 from booster_ros.diagnosis.hypotheses.friction import (
     begins_on_a_grid, friction_starts, over_minima)
-from booster_ros.diagnosis.hypotheses.subsystem import is_upstream
 from booster_ros.diagnosis.selection.decide import NOISE, TIE
 from booster_ros.diagnosis.selection.screening import (
     BEST, SIZES, Screened, first_steps, reference_at, references, screen, strong_frequencies)
 from booster_ros.diagnosis.selection.task import (
-    Model, Task, by_observation, idealised, lacks_nothing, leaves_noise, near_best, upstream_task)
+    Model, Task, by_observation, idealised, lacks_nothing, leaves_noise, near_best, seen_above,
+    upstream_task)
 from booster_ros.numerics.parallel import side_by_side
 
 Tick = Callable[[], None]
@@ -117,9 +117,7 @@ def _seen_upstream(task: Task, parent: Model, joint: Problem) -> Array:
     above = upstream_task(task)
     if above is None:
         return begin
-    effects = tuple(filter(is_upstream, parent.effects))
-    problem = above.problem(effects)
-    seen = fit(problem, [nominal(problem, carried(problem, parent.fit))])
+    _, seen = seen_above(above, parent.effects, parent.fit)
     return carried(joint, replace(parent.fit, z=nominal(parent.problem, parent.fit.z)), seen)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from booster_ros.diagnosis.data.blocks import Segment, rows_of, training_blocks
 from booster_ros.diagnosis.data.experiment import Array, Experiment
-from booster_ros.diagnosis.estimation.fit import Fit, fit_at
+from booster_ros.diagnosis.estimation.fit import Fit, carried, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.parametrisation import Free
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.hypotheses.compose import with_effects
@@ -146,3 +146,9 @@ def upstream_task(task: Task) -> Task | None:
         task, experiment=above, freedoms=free_upstream(task.freedoms),
         thinning=max(round(APART / float(np.median(np.diff(above.time)))), 1),
         names=tuple(filter(is_upstream, task.names)))
+
+
+def seen_above(above: Task, effects: tuple[str, ...], imitated: Fit) -> tuple[Problem, Fit]:
+    """Return the fit above the stem of those of the effects that are there, declared as given."""
+    problem = above.problem(tuple(filter(is_upstream, effects)))
+    return problem, fit(problem, [nominal(problem, carried(problem, imitated))])

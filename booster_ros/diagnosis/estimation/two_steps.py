@@ -1,0 +1,71 @@
+# Copyright 2026 The booster_ros authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The estimate of a valve whose stem sticks, in two steps: what lies above the stem, then the rest.
+
+Over slips the cost has many minima, and in each of them the variables above the stem have run into
+whatever meets the slips of this record by chance. The subsystem above, driven by the measured stem,
+knows no slips. So these variables are held where it has them, all else is fitted, and carries on
+how sure they are: with steps a of what is held, and slopes J of the residuals, all else takes steps
+
+    b = -(J_b' J_b)^-1 J_b' J_a a.
+
+Two-step estimators and their covariance: K. M. Murphy and R. H. Topel, Journal of Business &
+Economic Statistics 3 (1985) 370.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from booster_ros.diagnosis.data.experiment import Array
+from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
+from booster_ros.diagnosis.estimation.fit import fit_at
+from booster_ros.diagnosis.estimation.problem import SMALLEST_DIFFERENCE, Problem
+from booster_ros.diagnosis.estimation.uncertainty import WIDEST
+from booster_ros.numerics.parallel import side_by_side
+
+
+def in_two_steps(problem: Problem, begin: Array, block_of_row: Array, above: FinalFit) -> FinalFit:
+    """Return the estimate from z with the variables of the subsystem above held where it is."""
+    theirs, ours = ([(free.knob.parameter, free.element) for free in each.freedoms]
+                    for each in (above.problem, problem))
+    held, at = ([names.index(name) for name in ours if name in theirs] for names in (ours, theirs))
+    rest = np.setdiff1d(np.arange(len(begin)), held)
+    z = begin.copy()
+    z[held] = above.fit.z[at]
+    below = final_fit(problem.holding(z, held), z[rest], block_of_row)
+    z[rest] = below.fit.z
+    steps = above.draws[:, at] - z[held]
+    slopes = np.zeros((problem.observed + len(problem.known), len(z)))
+    slopes[:problem.observed, rest] = below.fit.jacobian[:problem.observed]
+    slopes[problem.observed:] = (np.eye(len(z)) / problem.sigma)[problem.known]
+    slopes[:problem.observed, held] = slopes_within(problem, z, held, steps)
+    own = slopes[:, rest]
+    hessian = own.T @ own + np.eye(len(rest)) / WIDEST**2
+    draws = np.empty((len(steps), len(z)))
+    draws[:, held] = z[held] + steps
+    draws[:, rest] = below.draws - steps @ np.linalg.solve(hessian, own.T @ slopes[:, held]).T
+    return FinalFit(problem, fit_at(problem, z, slopes), draws)
+
+
+def slopes_within(problem: Problem, z: Array, which: Sequence[int], steps: Array) -> Array:
+    """
+    Return d(observed residuals)/dz of some variables at z, by differences as long as their steps.
+
+    They are formed along the principal axes of steps, shape (draws, variables), over a standard
+    deviation to either side: over less they would be those between two patterns of slips.
+    """
+    _, lengths, axes = np.linalg.svd(steps / np.sqrt(len(steps)), full_matrices=False)
+    low, high = problem.bounds()
+
+    def along(k: int) -> Array:
+        step = np.zeros(len(z))
+        step[which] = lengths[k] * axes[k]
+        ahead, behind = (problem.residuals(np.clip(z + side * step, low, high))
+                         for side in (1.0, -1.0))
+        return (ahead - behind)[:problem.observed] / (2.0 * lengths[k])
+
+    seen = np.flatnonzero(lengths > SMALLEST_DIFFERENCE)
+    slopes = np.reshape(side_by_side(along, seen.tolist()), (len(seen), problem.observed))
+    return np.asarray(slopes.T @ axes[seen])
