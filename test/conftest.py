@@ -53,15 +53,15 @@ def starts_nodes(module: ModuleType) -> bool:
 
 
 LONG = (
-    'test_stepwise', 'test_fake_controller', 'test_style', 'test_positioner_node',
-    'test_positioner_time', 'test_positioner_set_points', 'test_docs_testing', 'test_loop_closed',
+    'test_fake_controller', 'test_positioner_node', 'test_positioner_time',
+    'test_positioner_set_points', 'test_docs_testing', 'test_stepwise', 'test_loop_closed',
     'test_campaign', 'test_twin_node_answers', 'test_fleet_run', 'test_demo', 'test_close_loop',
     'test_html_report', 'test_twin_answers', 'test_model_limits', 'test_hidden_plant')
 """
 Files that take long, these first: what comes last would keep one of several cores busy alone.
 
-The first compiles the model where it is not compiled yet, a minute's work. The next six need no
-machine code, so that no other process compiles the same meanwhile.
+The first five need no machine code: where the model is not compiled yet, that is a minute's work,
+which `make test` does meanwhile, and who needs it waits for it.
 """
 
 

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the user is told about compilation, and that the model runs without it."""
 
+import fcntl
 import os
 from pathlib import Path
 import shutil
+import threading
 
 import numpy as np
 from positioner_runs import PAPER_CURRENT, positioner, rows
@@ -92,6 +94,29 @@ def test_damaged_machine_code_is_made_anew(tmp_path: Path, monkeypatch, kind: st
         file.write_bytes(damage(whole))
         assert called(tmp_path, monkeypatch) == (42.0, 0)
     assert called(tmp_path, monkeypatch) == (42.0, 1)
+
+
+def test_who_waits_while_another_process_compiles_finds_its_machine_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    if not compiled.available():
+        pytest.skip('numba is not installed')
+    import numba
+
+    monkeypatch.setattr(numba.config, 'CACHE_DIR', str(tmp_path))
+    machine = numba.njit(cache=True)(twice)
+    code_cache.keep_sealed(machine)
+    code_cache.compile_in_turn(machine, tmp_path)
+    waiting = threading.Thread(target=machine, args=(21.0,))
+    another = os.open(tmp_path, os.O_RDONLY)  # a lock is that of who has opened the folder
+    try:
+        fcntl.flock(another, fcntl.LOCK_EX)
+        waiting.start()
+        assert called(tmp_path, monkeypatch) == (42.0, 0)
+    finally:
+        os.close(another)
+    waiting.join()
+    assert sum(machine.stats.cache_hits.values()) == 1
 
 
 def test_python_calls_one_function_of_the_compiled_model_and_is_refused_the_others():

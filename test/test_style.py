@@ -42,6 +42,7 @@ def test_ruff():
     run_module('ruff', 'check', '--no-cache', *map(str, SOURCES))
 
 
+@pytest.mark.mypy
 @pytest.mark.linter
 def test_mypy():
     run_module('mypy')

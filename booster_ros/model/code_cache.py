@@ -8,7 +8,9 @@ written into it, and a file only where it is as it was written: a power cut or a
 files that are cut short, which the interpreter would meet with an exception or a crash.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+import contextlib
+import fcntl
 import functools
 import hashlib
 import os
@@ -115,6 +117,33 @@ def keep_sealed(dispatcher: Any) -> None:
     """Let numba keep the code of a function, for which it keeps files already, in sealed files."""
     kept = dispatcher._cache._cache_file
     kept.__class__ = _sealed_files(type(kept))  # type: ignore[arg-type]
+
+
+def compile_in_turn(dispatcher: Any, folder: Path) -> None:
+    """
+    Let one process at a time compile a function, so that those that wait find its machine code.
+
+    Nodes that a launch file starts together would all do the same minute's work.
+    """
+    compiled = dispatcher.compile
+
+    def in_turn(signature: Any) -> Any:
+        with _turn(folder):
+            return compiled(signature)
+
+    dispatcher.compile = in_turn
+
+
+@contextlib.contextmanager
+def _turn(folder: Path) -> Iterator[None]:
+    """Wait for what other processes do in a folder; where that cannot be told, do not wait."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):  # a file system without locks
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 @functools.cache

@@ -96,13 +96,13 @@ def compiled_modules() -> dict[str, dict[str, Any]] | None:
     if folder is not None:
         config.CACHE_DIR = str(folder)
     try:
-        return _compile_all(numba.njit, cache=folder is not None)
+        return _compile_all(numba.njit, folder)
     finally:
         config.CACHE_DIR = previous
 
 
-def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, Any]]:
-    """Return the namespace of each module, functions replaced by their compiled versions."""
+def _compile_all(njit: Callable[..., Any], folder: Path | None) -> dict[str, dict[str, Any]]:
+    """Return the namespace of each module, functions replaced by compiled ones, kept in a folder."""
     replaced: dict[Any, Any] = {}
     namespaces: dict[str, dict[str, Any]] = {}
     for name in _MODULES:
@@ -121,9 +121,10 @@ def _compile_all(njit: Callable[..., Any], cache: bool) -> dict[str, dict[str, A
             twin.__qualname__ = value.__qualname__
             options = {'nogil': True, 'error_model': 'numpy'}
             if (name, key) == _CALLED:
-                names[key] = njit(cache=cache, **options)(twin)
-                if cache:
+                names[key] = njit(cache=folder is not None, **options)(twin)
+                if folder is not None:
                     code_cache.keep_sealed(names[key])
+                    code_cache.compile_in_turn(names[key], folder)
             else:
                 names[key] = linking.only_linked(
                     njit, twin, forceinline=name in _INLINED, **options)
