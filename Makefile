@@ -23,18 +23,27 @@ endif
 # which takes longer than all else it does.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test bench measured pins clean
+.PHONY: demo test tests beside_tests bench measured pins clean
 
 demo:
 	@$(PYTHON) scripts/prepare_environment.py run
 	@$(VENV_PYTHON) -m booster_ros demo
 
-# A worker that dies ends the run: pytest-xdist may wait for ever for the rest of its file.
-# flake8 and pep257 are what `colcon test` runs beside these; ruff has their rules, and takes a second.
+# Tests with nodes wait for the most part: meanwhile the model is compiled, and types are checked.
 test:
 	@$(PYTHON) scripts/prepare_environment.py test
+	@$(MAKE) --no-print-directory --jobs 2 tests beside_tests
+
+# A worker that dies ends the run: pytest-xdist may wait for ever for the rest of its file.
+# flake8 and pep257 are what `colcon test` runs beside these; ruff has their rules, and takes a second.
+tests:
 	@$(VENV_PYTHON) -m pytest -n 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
-	  -m 'not campaign and not flake8 and not pep257'
+	  -m 'not campaign and not flake8 and not pep257 and not mypy'
+
+beside_tests:
+	@$(VENV_PYTHON) -c 'from booster_ros.model.parameters import from_values; \
+	  from booster_ros.model.simulation import Plant; Plant(from_values({})).advance(4e-4, 1)'
+	@$(VENV_PYTHON) -m mypy
 
 # The peers live in an environment of their own; the node is measured in the one that runs it.
 bench:
