@@ -102,7 +102,7 @@ def compiled_modules() -> dict[str, dict[str, Any]] | None:
 
 
 def _compile_all(njit: Callable[..., Any], folder: Path | None) -> dict[str, dict[str, Any]]:
-    """Return the namespace of each module, functions replaced by compiled ones, kept in a folder."""
+    """Return the namespace of each module, functions replaced by machine code kept in a folder."""
     replaced: dict[Any, Any] = {}
     namespaces: dict[str, dict[str, Any]] = {}
     for name in _MODULES:
