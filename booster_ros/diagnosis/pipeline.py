@@ -47,9 +47,8 @@ def diagnose(experiment: Experiment, declared: PositionerParameters,
     """
     Return what the model lacks, judged by this experiment.
 
-    `progress` is called with a phrase and the share done; `names` are the effects
-    to try, `places` those where a term without a name may be. RecordError where the record is too
-    short, or holds too few values to compare, to be cut into blocks to fit and to judge by.
+    `progress` is called with a phrase and the share done; `names` are the effects to try, `places`
+    those of terms without a name. RecordError where there is too little to fit and to judge by.
     """
     tell = progress or (lambda phrase, share: None)
     task = _task(experiment, declared, names, places)

@@ -8,8 +8,8 @@ logarithm of the variance of what moves within it. When a stem slips hangs on th
 friction: single readings say little of it, and roughly; the statistics say how much friction there
 is and how far slips go (a synthetic likelihood: S. N. Wood, Nature 466 (2010) 1102).
 
-Both take what the model leaves of the readings, in standard deviations of the noise, channel by
-channel, and return what a fit minimises the squares of.
+Both take what the model leaves of a channel's readings, in standard deviations of the noise, and
+return what a fit minimises the squares of.
 """
 
 from collections.abc import Callable

@@ -5,13 +5,11 @@ The estimate of a valve whose stem sticks, in two steps: what lies above the ste
 
 Over slips the cost has many minima, and in each of them the variables above the stem have run into
 whatever meets the slips of this record by chance. The subsystem above, driven by the measured stem,
-knows no slips. So these variables are held where it has them, all else is fitted, and carries on
-how sure they are: with steps a of what is held, and slopes J of the residuals, all else takes steps
+knows no slips. So these variables are held where it has them, and all else is fitted. How sure
+they are carries over: by steps a of what is held, all else moves by -(J_b' J_b)^-1 J_b' J_a a, with
+the slopes J of the residuals.
 
-    b = -(J_b' J_b)^-1 J_b' J_a a.
-
-Two-step estimators and their covariance: K. M. Murphy and R. H. Topel, Journal of Business &
-Economic Statistics 3 (1985) 370.
+Two-step estimators: K. M. Murphy and R. H. Topel, J. Business & Econ. Statistics 3 (1985) 370.
 """
 
 from collections.abc import Sequence
@@ -53,19 +51,22 @@ def slopes_within(problem: Problem, z: Array, which: Sequence[int], steps: Array
     """
     Return d(observed residuals)/dz of some variables at z, by differences as long as their steps.
 
-    They are formed along the principal axes of steps, shape (draws, variables), over a standard
-    deviation to either side: over less they would be those between two patterns of slips.
+    They are along the principal axes of these, shape (draws, variables), over a standard deviation
+    to either side, or as far as several slips, if that is less (`last` of the observation).
     """
     _, lengths, axes = np.linalg.svd(steps / np.sqrt(len(steps)), full_matrices=False)
-    low, high = problem.bounds()
+    seen = np.flatnonzero(lengths > SMALLEST_DIFFERENCE)
 
     def along(k: int) -> Array:
-        step = np.zeros(len(z))
-        step[which] = lengths[k] * axes[k]
-        ahead, behind = (problem.residuals(np.clip(z + side * step, low, high))
-                         for side in (1.0, -1.0))
-        return (ahead - behind)[:problem.observed] / (2.0 * lengths[k])
+        length, step, change = lengths[k], np.zeros(len(z)), np.zeros(problem.observed)
+        for _ in range(2):
+            step[which] = length * axes[k]
+            ahead, behind = (problem.residuals(np.clip(z + side * step, *problem.bounds()))
+                             for side in (1.0, -1.0))
+            change = (ahead - behind)[:problem.observed] / (2.0 * length)
+            several = problem.steps_for(np.array(np.linalg.norm(change)), problem.observation.last)
+            length = min(length, float(several))
+        return change
 
-    seen = np.flatnonzero(lengths > SMALLEST_DIFFERENCE)
     slopes = np.reshape(side_by_side(along, seen.tolist()), (len(seen), problem.observed))
     return np.asarray(slopes.T @ axes[seen])
