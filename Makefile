@@ -42,7 +42,8 @@ tests:
 
 beside_tests:
 	@$(VENV_PYTHON) -c 'from booster_ros.model.parameters import from_values; \
-	  from booster_ros.model.simulation import Plant; Plant(from_values({})).advance(4e-4, 1)'
+	  from booster_ros.model.simulation import simulate; \
+	  simulate(from_values({}), [0.0, 1.0], [4e-4, 4e-4])'
 	@$(VENV_PYTHON) -m mypy
 
 # The peers live in an environment of their own; the node is measured in the one that runs it.
