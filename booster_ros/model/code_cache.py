@@ -137,13 +137,12 @@ def compile_in_turn(dispatcher: Any, folder: Path) -> None:
 @contextlib.contextmanager
 def _turn(folder: Path) -> Iterator[None]:
     """Wait for what other processes do in a folder; where that cannot be told, do not wait."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        with contextlib.suppress(OSError):  # a file system without locks
+    with contextlib.ExitStack() as held:
+        with contextlib.suppress(OSError):  # a file system without locks, or no folder any more
+            descriptor = os.open(folder, os.O_RDONLY)
+            held.callback(os.close, descriptor)
             fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
-    finally:
-        os.close(descriptor)
 
 
 @functools.cache
