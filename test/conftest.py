@@ -22,14 +22,13 @@ if TYPE_CHECKING:
 # Before anything initialises rclpy; kept for as long as the process lives.
 _DOMAIN = claim_domain()
 os.environ['ROS_DOMAIN_ID'] = str(_DOMAIN.id)
-os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 # Processes that tests kill leave their shared memory as it is; this one, which outlives them all,
-# keeps away from it. What it starts has the transports that users have (`RosProcess`).
-os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
-# Nodes announce themselves so often that those that start later know them at once, else after up to
-# 3 s. Fast DDS reads the second of these variables from version 3 on, the first until then.
+# keeps away from it, and says by itself that it talks to this machine alone: the discovery range
+# LOCALHOST brings shared memory with it. What it starts is as users have it (`RosProcess`).
+os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'SYSTEM_DEFAULT'
+# Fast DDS reads the second of these variables from version 3 on, the first until then.
 for _NAME in ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE'):
-    os.environ[_NAME] = str(Path(__file__).with_name('fastdds.xml'))
+    os.environ[_NAME] = str(Path(__file__).with_name('fastdds_here.xml'))
 # Programs under test must not open windows, nor colour what they print.
 os.environ['MPLBACKEND'] = 'Agg'
 os.environ['RCUTILS_COLORIZED_OUTPUT'] = '0'

@@ -19,6 +19,17 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 
+AS_OF_USERS = {
+    'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+    **dict.fromkeys(('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE'),
+                    str(ROOT / 'test' / 'fastdds.xml'))}
+"""
+Environment of what tests start: the transports that users have, on this machine alone.
+
+Only that nodes announce themselves so often that those that start later know them at once, else
+after up to 3 s.
+"""
+
 PATIENCE = 120.0
 """
 Seconds after which a test takes what it waits for not to come.
@@ -52,7 +63,7 @@ class RosProcess:
         """Start the command at the root of the sources, in this environment or the given one."""
         environment = dict(os.environ if environment is None else environment)
         environment['PYTHONUNBUFFERED'] = '1'
-        environment.pop('FASTDDS_BUILTIN_TRANSPORTS', None)
+        environment.update(AS_OF_USERS)
         self._process = subprocess.Popen(
             list(command),
             cwd=ROOT,
