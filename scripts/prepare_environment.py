@@ -13,14 +13,19 @@ as it is; one that was interrupted, or whose requirements changed, is completed.
 from __future__ import annotations
 
 import argparse
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 import fcntl
+from functools import partial
 import hashlib
+from itertools import count
 import os
 from pathlib import Path
 import platform
 import shutil
 import subprocess
 import sys
+import sysconfig
 import time
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -28,6 +33,8 @@ REQUIREMENTS = ROOT / 'requirements'
 ENVIRONMENT = ROOT / '.venv'
 PYTHON = ENVIRONMENT / 'bin' / 'python'
 LAYERS = ('run', 'test')  # each needs the ones before it
+PIPS = 4  # side by side, where packages are pinned: one waits for the network half of its time
+IMPORTED = ('numpy', 'scipy', 'pandas', 'numba')  # by nearly every program
 OLDEST_PYTHON = (3, 10)
 
 
@@ -100,27 +107,46 @@ def numpy_of_ros() -> list[str]:
 
 def install(packages: list[str], ros: str | None) -> None:
     """Install the packages and show how far it is."""
-    pins = [] if ros else ['--no-deps']  # the pins name every dependency already
-    constraint = numpy_of_ros() if ros else []
-    command = [str(PYTHON), '-m', 'pip', 'install', '--no-compile', '--progress-bar=off', *pins]
-    command += ['--disable-pip-version-check', *packages, *constraint]
+    # pins name every dependency, so that each pip can do its share without knowing of the others
+    shares = [packages] if ros else [packages[first::PIPS] for first in range(PIPS)]
+    options = numpy_of_ros() if ros else ['--no-deps']
+    with ThreadPoolExecutor(len(shares)) as pool:
+        failures = [*filter(None, pool.map(partial(pip_install, options, count(1)), shares))]
+    if failures:
+        sys.stderr.writelines(failures[0][-20:])
+        raise SetupError('pip could not install the packages, see above')
+
+
+def pip_install(options: list[str], fetched: count[int], packages: list[str]) -> list[str]:
+    """Install packages by a pip of their own; return what it said if it failed."""
+    command = [str(PYTHON), '-m', 'pip', 'install', '--no-compile', '--progress-bar=off']
+    command += ['--disable-pip-version-check', *options, *packages]
     output = []
-    seen = 0
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as pip:
         assert pip.stdout is not None
         for line in pip.stdout:
             output.append(line)
-            if line.startswith('Collecting'):
-                seen += 1
-                if seen % 20 == 0:
-                    print(f'  {seen} packages fetched', flush=True)
-            elif line.startswith('Installing'):
-                print('  unpacking them', flush=True)
-    if pip.returncode != 0:
-        sys.stderr.writelines(output[-20:])
-        raise SetupError('pip could not install the packages, see above')
+            if line.startswith('Collecting') and (number := next(fetched)) % 20 == 0:
+                print(f'  {number} packages fetched', flush=True)
+    return output if pip.returncode != 0 else []
+
+
+def compiling() -> subprocess.Popen[bytes]:
+    """
+    Begin to compile what nearly every program imports, and return the process that does.
+
+    Else each of the programs that start first compiles the same. Of all packages it would take a
+    minute, most of it for nothing.
+    """
+    library = Path(sysconfig.get_path('purelib', 'posix_prefix', {'base': str(ENVIRONMENT)}))
+    folders = [str(library / name) for name in IMPORTED if (library / name).is_dir()]
+    return subprocess.Popen(
+        [str(PYTHON), '-m', 'compileall', '-q', '-j', '0', '-x', '/tests?/', *folders],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
 
 
 def prepare(layer: str) -> None:
@@ -128,20 +154,23 @@ def prepare(layer: str) -> None:
     ros = sourced_ros()
     if not ros:
         check_wheels_exist()
-    for name in LAYERS[: LAYERS.index(layer) + 1]:
-        packages = wanted_packages(name, ros)
-        stamp = ENVIRONMENT / f'{name}.complete'
-        mark = fingerprint(packages, ros)
-        if stamp.is_file() and stamp.read_text() == mark:
-            continue
-        start = time.monotonic()
-        purpose = f'to {name}' + (f' beside ROS 2 {ros}' if ros else '')
-        print(f'Installing into .venv {len(packages)} packages {purpose}', flush=True)
-        if name == LAYERS[0]:
-            create_environment(ros)
-        install(packages, ros)
-        stamp.write_text(mark)
-        print(f'  done in {time.monotonic() - start:.0f} s', flush=True)
+    with ExitStack() as meanwhile:
+        for name in LAYERS[: LAYERS.index(layer) + 1]:
+            packages = wanted_packages(name, ros)
+            stamp = ENVIRONMENT / f'{name}.complete'
+            mark = fingerprint(packages, ros)
+            if stamp.is_file() and stamp.read_text() == mark:
+                continue
+            start = time.monotonic()
+            purpose = f'to {name}' + (f' beside ROS 2 {ros}' if ros else '')
+            print(f'Installing into .venv {len(packages)} packages {purpose}', flush=True)
+            if name == LAYERS[0]:
+                create_environment(ros)
+            install(packages, ros)
+            stamp.write_text(mark)
+            print(f'  done in {time.monotonic() - start:.0f} s', flush=True)
+            if name == LAYERS[0]:
+                meanwhile.enter_context(compiling())
 
 
 def main() -> int:
