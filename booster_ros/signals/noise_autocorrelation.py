@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from booster_ros.signals.autoregression import (
     coefficient_and_level, left_by, without)
@@ -162,7 +163,6 @@ def _drawn(coefficient: float, curves: Array) -> Array:
 def _carried_over(new: Array, coefficient: float) -> Array:
     """Return what is new in each row with that share of the row before, shape (..., rows)."""
     # scipy.signal's filter takes a second to import
-    noise = np.array(new)
-    for row in range(1, noise.shape[-1]):
-        noise[..., row] += coefficient * noise[..., row - 1]
-    return noise
+    banded = np.ones((2, new.shape[-1]))
+    banded[1] = -coefficient
+    return np.asarray(solve_banded((1, 0), banded, new.T).T)
