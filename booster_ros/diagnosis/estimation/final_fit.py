@@ -20,7 +20,7 @@ from booster_ros.diagnosis.data.experiment import Array
 from booster_ros.diagnosis.estimation.fit import NOTICEABLE, Fit, fit, fit_at, nominal
 from booster_ros.diagnosis.estimation.problem import Problem
 from booster_ros.diagnosis.estimation.profile import profiled
-from booster_ros.diagnosis.estimation.uncertainty import WIDEST, block_bootstrap
+from booster_ros.diagnosis.estimation.uncertainty import block_bootstrap, information
 from booster_ros.model.catalogue import EFFECTS
 from booster_ros.numerics.least_squares import SETTLED
 from booster_ros.numerics.parallel import side_by_side
@@ -97,15 +97,13 @@ def called_for(problem: Problem, found: Fit) -> Fit:
     where what is left grows by less than c log n for each variable that no longer matters, with n
     observations and their over-dispersion c (G. Schwarz, The Annals of Statistics 6 (1978) 461).
     """
-    n = problem.observed
-    each = dispersion(problem.series(found.residuals[:n])) * log(n)
+    each = dispersion(problem.series(found.residuals[:problem.observed])) * log(problem.observed)
     for j, free in enumerate(problem.freedoms):
         if free.knob.parameter not in BESIDE or found.z[j] == free.without_size:
             continue
-        hessian = found.jacobian.T @ found.jacobian + np.eye(len(found.z)) / WIDEST**2
         without = found.z.copy()
         without[j] = free.without_size
-        if (without[j] - found.z[j])**2 > each * np.linalg.inv(hessian)[j, j]:
+        if (without[j] - found.z[j])**2 > each * np.linalg.inv(information(found.jacobian))[j, j]:
             continue
         _, without = profiled(problem, without, problem.residuals(without), found.jacobian, j)
         smaller = _fitted_beside(problem, without, found.jacobian)

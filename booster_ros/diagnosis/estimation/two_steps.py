@@ -20,7 +20,7 @@ from booster_ros.diagnosis.estimation.final_fit import FinalFit, final_fit
 from booster_ros.diagnosis.estimation.fit import fit_at
 from booster_ros.diagnosis.estimation.parametrisation import label
 from booster_ros.diagnosis.estimation.problem import SMALLEST_DIFFERENCE, Problem
-from booster_ros.diagnosis.estimation.uncertainty import WIDEST
+from booster_ros.diagnosis.estimation.uncertainty import information
 from booster_ros.numerics.parallel import side_by_side
 
 
@@ -39,10 +39,10 @@ def in_two_steps(problem: Problem, begin: Array, block_of_row: Array, above: Fin
     slopes[problem.observed:] = (np.eye(len(z)) / problem.sigma)[problem.known]
     slopes[:problem.observed, held] = slopes_within(problem, z, held, steps)
     own = slopes[:, rest]
-    hessian = own.T @ own + np.eye(len(rest)) / WIDEST**2
     draws = np.empty((len(steps), len(z)))
     draws[:, held] = z[held] + steps
-    draws[:, rest] = below.draws - steps @ np.linalg.solve(hessian, own.T @ slopes[:, held]).T
+    moves = -np.linalg.solve(information(own), own.T @ slopes[:, held])
+    draws[:, rest] = below.draws + steps @ moves.T
     return FinalFit(problem, fit_at(problem, z, slopes), draws)
 
 

@@ -52,14 +52,18 @@ class Interval:
         return self.open_above or self.low <= knob.neutral <= self.high
 
 
+def information(slopes: Array) -> Array:
+    """Return J' J + I / WIDEST**2, by which even sizes that hardly show are of typical order."""
+    return np.asarray(slopes.T @ slopes + np.eye(slopes.shape[1]) / WIDEST**2)
+
+
 def block_bootstrap(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
     """
     Return draws of z, shape (DRAWS, variables), by a block bootstrap.
 
-    `block_of_row` says of each row of the experiment in which block it is. Each draw weighs the
-    blocks by how often they were drawn and makes one Gauss-Newton step from the fit. Within a block
-    residuals may be as coloured as they like. What is expected of a declared parameter is drawn
-    too, from its prior.
+    `block_of_row` says in which block each row of the experiment is. Each draw weighs the blocks by
+    how often they were drawn and makes one Gauss-Newton step from the fit. Within a block residuals
+    may be as coloured as they like. Priors of declared parameters are drawn too.
 
     Shapes are drawn with all else free; all else is drawn with the shapes as they were found:
     together they would run through nonsense, as a drift of half the size in half the time is the
@@ -71,16 +75,14 @@ def block_bootstrap(problem: Problem, fit: Fit, block_of_row: Array) -> Array:
     gradients = np.array([jacobian[rows].T @ residual[rows] for rows in blocks])
     hessians = np.array([jacobian[rows].T @ jacobian[rows] for rows in blocks])
     prior = jacobian[data:]
-    # sizes are held to their typical order: else one that hardly shows in a draw could be anything
-    ridge = np.eye(len(fit.z)) / WIDEST**2
     rng = np.random.default_rng(1)
     several = [(np.bincount(rng.integers(len(blocks), size=len(blocks)), minlength=len(blocks)),
                 residual[data:] + rng.standard_normal(len(prior))) for _ in range(DRAWS)]
 
     def system(counts: Array, centres: Array, which: Array) -> tuple[Array, Array]:
         """Return Hessian and gradient over some variables, of blocks that count so often."""
-        hessian = np.tensordot(counts, hessians, 1) + prior.T @ prior + ridge
-        gradient = counts @ gradients + prior.T @ centres + ridge @ fit.z
+        hessian = np.tensordot(counts, hessians, 1) + information(prior)
+        gradient = counts @ gradients + prior.T @ centres + fit.z / WIDEST**2
         return hessian[np.ix_(which, which)], gradient[which]
 
     def drawn(which: Array) -> Array:
