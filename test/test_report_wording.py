@@ -120,3 +120,14 @@ def test_a_test_set_that_had_a_say_is_not_said_to_be_unseen(decided):
     assert ('had a say in the verdict' in page.text) is decided
     assert ('no step has seen these data' in page.text) is not decided
     assert ('no step of this analysis had seen' in page.text) is not decided
+
+
+def test_what_two_effects_explain_only_together_is_said_of_each():
+    found = friction_found()
+    alone = replace(found.effects[0], explained=0.812, standing='likely')
+    one = verdict_sentences(replace(found, effects=(alone,)))
+    assert 'Explained: 81.2 % of what the declared model misses (likely).' in one
+    leak = replace(alone, name='chamber_leak', location='chamber', standing='confirmed')
+    both = verdict_sentences(replace(found, effects=(leak, alone)))
+    assert ('Explained: 81.2 % of what the declared model misses only with chamber leak '
+            '(confirmed) and 81.2 % only with stem friction (likely).') in both

@@ -128,11 +128,14 @@ def _sentences_on_verdict(diagnosis: Diagnosis) -> list[str]:
 
 def _standing_sentence(effects: Sequence[FoundEffect]) -> str:
     """Return what share of the missing is explained, by what, and how sure that is."""
-    shares = listing([
-        f'{share_text(effect.explained)} of what the declared model misses'
-        f'{f" by {effect_label(effect.name)}" if len(effects) > 1 else ""} ({effect.standing})'
-        for effect in effects])
-    return f'Explained: {shares}.'
+    missed = ' of what the declared model misses'
+    if len(effects) == 1:
+        return f'Explained: {share_text(effects[0].explained)}{missed} ({effects[0].standing}).'
+    # what two effects explain only together counts for each
+    shares = [f'{share_text(effect.explained)}{"" if number else missed} only with '
+              f'{effect_label(effect.name)} ({effect.standing})'
+              for number, effect in enumerate(effects)]
+    return f'Explained: {listing(shares)}.'
 
 
 def share_text(share: float) -> str:
