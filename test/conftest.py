@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 import functools
+import gc
 import os
 from pathlib import Path
 from types import ModuleType
@@ -78,6 +79,7 @@ def pytest_collection_finish() -> None:
     if compiled.compiled_modules.cache_info().currsize:
         raise pytest.UsageError('a file of tests runs the model while it is imported, and each of '
                                 'several processes would compile it; let a test or a fixture do it')
+    gc.freeze()  # what is loaded stays, and need not be looked through again and again
 
 
 @pytest.fixture(scope='session')
