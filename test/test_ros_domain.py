@@ -61,3 +61,9 @@ def test_a_domain_in_which_a_participant_listens_is_not_claimed():
     finally:
         context.try_shutdown()
     claim_domain(among=[domain.id]).release()
+
+
+def test_the_process_of_the_tests_shares_no_memory(ros_client):
+    """What processes that are killed leave of it may end this one."""
+    with open('/proc/self/maps') as maps:
+        assert not [line for line in maps if '/dev/shm/fast' in line]
