@@ -7,7 +7,8 @@ Everything happens in one thread, between two ticks or in a tick: commands that 
 next tick, parameters change between ticks. `docs/node.md` describes topics, services, time.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 import sys
 from typing import Any
 
@@ -107,7 +108,7 @@ class Positioner(Node):
         self._ticking = Ticking(
             self, self._time, self._ticks, self._throttle, self._run_ticks,
             paused=settings.start_paused or settings.step_on_command)
-        self._stepping = Stepping(self, self._ticks.piece, self._run_ticks)
+        self._stepping = Stepping(self, self._ticks.piece, self._evenly_stamped)
 
         self._outputs = OutputPublishers(
             self, own_name(self, settings.joint_name, 'valve_stem'),
@@ -167,7 +168,13 @@ class Positioner(Node):
     # Ticks
 
     def _run_ticks(self, count: int) -> None:
-        offset = self._time.stamp_offset()
+        self._evenly_stamped()(count)
+
+    def _evenly_stamped(self) -> Callable[[int], None]:
+        """Return what runs so many ticks, their stamps a period apart to the nanosecond."""
+        return partial(self._run_ticks_at, self._time.stamp_offset())
+
+    def _run_ticks_at(self, offset: int, count: int) -> None:
         thins = self._ticking.thins
         for number in range(count):
             self._tick(offset, thins and number < count - 1)

@@ -9,12 +9,13 @@ from rclpy.node import Node
 
 
 class Stepping:
-    """Runs the ticks that a request asks for; `run` runs so many of them at once."""
+    """Runs the ticks that a request asks for; what `begin` returns for it runs so many at once."""
 
-    def __init__(self, node: Node, portion: int, run: Callable[[int], None]) -> None:
+    def __init__(self, node: Node, portion: int, begin: Callable[[], Callable[[int], None]]
+                 ) -> None:
         self._node = node
         self._portion = portion
-        self._run = run
+        self._begin = begin
         self._left = 0
 
     def stop(self) -> None:
@@ -32,10 +33,11 @@ class Stepping:
         while self._left > 0:
             await _Turn(executor)
         self._left = count
+        run = self._begin()
         done = 0
         while self._left > 0:
             portion = min(self._left, self._portion)
-            self._run(portion)
+            run(portion)
             done += portion
             self._left -= portion
             if self._left > 0:
